@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "groundscale/camera/camera.hpp"
+#include "groundscale/camera/mounting.hpp"
+#include "groundscale/core/image.hpp"
+#include "groundscale/core/result.hpp"
+
+namespace groundscale {
+
+/// A camera and how it sits on the vehicle, as a camera file says. What the file leaves out is empty.
+struct CameraSetup {
+  CameraPtr camera;
+  std::optional<double> height_m;   ///< Above the road, perpendicular to it.
+  std::optional<double> pitch_rad;  ///< Empty: the program finds it in the first seconds.
+  std::optional<double> roll_rad;
+  std::optional<double> yaw_rad;
+  Image vehicle_mask;  ///< 255 where the own vehicle is in view; empty where it isn't.
+};
+
+/// Reads `camera.yaml` (docs/formats.md). Image size may be missing in the file and is then taken from `image_*`.
+/// @return kBadInput with file, key and bound.
+Result<CameraSetup> read_camera_file(const std::string& path, int image_width, int image_height);
+
+/// Pinhole of row P<image> of KITTI's `calib.txt`.
+Result<CameraSetup> read_kitti_calibration(const std::string& path, int image, int image_width, int image_height);
+
+/// Writes a camera.yaml that read_camera_file reads back to the same values.
+Result<void> write_camera_file(const std::string& path, const CameraSetup& setup);
+
+}  // namespace groundscale

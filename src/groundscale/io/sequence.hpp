@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "groundscale/core/image.hpp"
+#include "groundscale/core/result.hpp"
+
+namespace groundscale {
+
+/// One image of a drive.
+struct Frame {
+  int index = 0;        ///< In the source, from 0; the same whatever --start is.
+  double time_s = 0.0;  ///< Never falls from frame to frame.
+  Image image;          ///< Empty where it could not be read (then `problem` says why).
+  std::string problem;
+};
+
+/// Images of a drive in their order. Opening reads no more than the first image.
+class Sequence {
+ public:
+  virtual ~Sequence() = default;
+
+  /// The next frame, or nothing at the end. A frame that can't be decoded, or whose size differs from the first one's,
+  /// comes out with an empty image and the reason.
+  virtual std::optional<Frame> next() = 0;
+
+  virtual int first_frame() const = 0;
+  /// Frames from first_frame on, as declared; a video may end earlier.
+  virtual int frame_count() const = 0;
+  virtual int width() const = 0;
+  virtual int height() const = 0;
+  /// Absolute path of a calibration that lies with the images (camera.yaml before calib.txt), or "".
+  virtual std::string calibration_path() const = 0;
+  /// Whether the source has KITTI odometry's layout, and which image folder (0..3) is read.
+  virtual std::optional<int> kitti_image() const { return std::nullopt; }
+  /// Warnings met so far, in order ("video declares 300 frames, 287 were decoded").
+  virtual std::vector<std::string> warnings() const = 0;
+  /// False where times are made up (an image folder without times.txt: 10 Hz).
+  virtual bool has_times() const = 0;
+};
+
+struct SequenceRequest {
+  std::string source;              ///< KITTI odometry folder, image folder or video file.
+  std::optional<int> kitti_image;  ///< --image; default: image_0, else the first that is there.
+  int start = 0;
+  std::optional<int> frames;  ///< At most so many.
+};
+
+/// Opens a source. With `decode_ahead` a thread decodes a few frames ahead; the frames are the same.
+/// @return kBadInput where there is nothing to read; kIo where a video's first frame can't be decoded.
+Result<std::unique_ptr<Sequence>> open_sequence(const SequenceRequest& request, bool decode_ahead);
+
+}  // namespace groundscale
