@@ -1,1 +1,49 @@
-int main() { return 0; }
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "groundscale/core/log.hpp"
+
+namespace groundscale {
+
+int report_failure(const Error& error) {
+  fmt::print(stderr, "groundscale: {}\n", error.message);
+  return error.code == ErrorCode::kBadInput ? kWrongUse : kFailedOnTheWay;
+}
+
+namespace {
+
+int run_program(int argc, char** argv) {
+  CLI::App app{"groundscale: metric scale for monocular visual odometry from the ground plane", "groundscale"};
+  app.set_version_flag("--version", "groundscale " GROUNDSCALE_VERSION);
+  app.require_subcommand(1);
+  int exit_status = kDone;
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kWrongUse;  // --help and --version come this way too
+  }
+  return exit_status;
+}
+
+}  // namespace
+}  // namespace groundscale
+
+int main(int argc, char** argv) {
+  using namespace groundscale;
+  set_log_sink([](std::string_view message) { fmt::print(stderr, "groundscale: warning: {}\n", message); });
+  int exit_status = kFailedOnTheWay;
+  try {
+    exit_status = run_program(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "groundscale: failed: {}\n", error.what());
+  }
+  if (std::fflush(stdout) != 0) {
+    fmt::print(stderr, "groundscale: the results could not be written to the standard output\n");
+    if (exit_status == kDone) exit_status = kFailedOnTheWay;
+  }
+  return exit_status;
+}

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "groundscale/core/result.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace groundscale {
+
+/// Exit status of the program: the same for every command.
+inline constexpr int kDone = 0;
+inline constexpr int kFailedOnTheWay = 1;  ///< What was written stays valid.
+inline constexpr int kWrongUse = 2;        ///< Wrong use or bad input; nothing was written.
+
+/// Says on stderr what went wrong and gives the status for it: 2 for bad input, else 1.
+int report_failure(const Error& error);
+
+// One function a subcommand, one file each. It adds the subcommand with its options to `app`; when the command line
+// names it, it does the work and leaves its status in `exit_status`. Results go to stdout, all else to stderr.
+
+}  // namespace groundscale
