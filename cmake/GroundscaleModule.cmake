@@ -1,10 +1,11 @@
-# groundscale_module(NAME [DEPENDS module...] [LINK target...])
+# groundscale_module(NAME [DEPENDS module...] [LINK target...] [PUBLIC_LINK target...] [SLOW_TESTS file...])
 #
 # One static library a folder of src/groundscale: every *.cpp there but the tests. DEPENDS are modules beneath it,
 # LINK are third parties, seen in .cpp files only. Tests (*_test.cpp) become one program and one CTest entry a file,
-# `module/file`. Headers ending in _internal.hpp are not installed.
+# `module/file`; those named in SLOW_TESTS (without _test.cpp) get the label `slow`. Headers ending in _internal.hpp
+# are not installed.
 function(groundscale_module name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;LINK;PUBLIC_LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "DEPENDS;LINK;PUBLIC_LINK;SLOW_TESTS" ${ARGN})
   set(folder ${PROJECT_SOURCE_DIR}/src/groundscale/${name})
   file(GLOB sources CONFIGURE_DEPENDS ${folder}/*.cpp)
   file(GLOB tests CONFIGURE_DEPENDS ${folder}/*_test.cpp)
@@ -18,7 +19,8 @@ function(groundscale_module name)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON LINKER_LANGUAGE CXX)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${headers})
-  target_link_libraries(${target} PUBLIC Eigen3::Eigen ${ARG_PUBLIC_LINK} PRIVATE groundscale_build_flags)
+  target_link_libraries(${target} PUBLIC Eigen3::Eigen ${ARG_PUBLIC_LINK}
+                        PRIVATE $<BUILD_INTERFACE:groundscale_build_flags>)
   foreach(module IN LISTS ARG_DEPENDS)
     target_link_libraries(${target} PUBLIC groundscale_${module})
   endforeach()
@@ -33,6 +35,9 @@ function(groundscale_module name)
       cmake_path(GET test STEM stem)
       string(REGEX REPLACE "_test$" "" file ${stem})
       groundscale_test(${name}/${file} ${test} ${target} ${ARG_LINK})
+      if(file IN_LIST ARG_SLOW_TESTS)
+        set_tests_properties(${name}/${file} PROPERTIES LABELS slow)
+      endif()
     endforeach()
   endif()
 endfunction()
