@@ -11,6 +11,3 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/groundscaleConfigVersion.
 install(FILES ${PROJECT_BINARY_DIR}/groundscaleConfig.cmake ${PROJECT_BINARY_DIR}/groundscaleConfigVersion.cmake
         DESTINATION ${config_folder})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-if(TARGET groundscale_program)
-  install(TARGETS groundscale_program)
-endif()
