@@ -23,14 +23,20 @@ struct CameraSetup {
   Image vehicle_mask;  ///< 255 where the own vehicle is in view; empty where it isn't.
 };
 
-/// Reads `camera.yaml` (docs/formats.md). Image size may be missing in the file and is then taken from `image_*`.
-/// @return kBadInput with file, key and bound.
+/// Reads `camera.yaml` (docs/formats.md). Image size may be missing in the file and is then taken from `image_*`; where
+/// both are there they must agree. `image_*` of 0: not known, the file must say it.
+/// @return kBadInput with file, line, key and bound.
 Result<CameraSetup> read_camera_file(const std::string& path, int image_width, int image_height);
 
-/// Pinhole of row P<image> of KITTI's `calib.txt`.
+/// Pinhole of row P<image> of KITTI's `calib.txt`: fx, fy, cx, cy of the 3x4 matrix; its last column, the place of the
+/// camera beside camera 0, is of no use here. Height and angles stay empty.
+/// @return kBadInput with file, line and value; also where the principal point lies outside the image, which is a
+///         calibration of other images.
 Result<CameraSetup> read_kitti_calibration(const std::string& path, int image, int image_width, int image_height);
 
-/// Writes a camera.yaml that read_camera_file reads back to the same values.
+/// Writes a camera.yaml that read_camera_file reads back to the same values (angles, which the file has in degrees, to
+/// the last bit). A vehicle mask goes into a PNG beside it,
+/// `<name>_vehicle_mask.png`. @return kIo.
 Result<void> write_camera_file(const std::string& path, const CameraSetup& setup);
 
 }  // namespace groundscale

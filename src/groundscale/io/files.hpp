@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -8,12 +9,15 @@
 
 namespace groundscale {
 
+/// The whole file. @return kBadInput where there is no such file, it is a folder or can't be opened; kIo where reading
+/// fails on the way; both with path and the system's reason.
 Result<std::string> read_text(const std::string& path);
 
 /// Writes beside and renames, so that the file is whole or as it was. @return kIo with path and the system's reason.
 Result<void> write_text(const std::string& path, std::string_view text);
 
-/// A file that grows line by line and stays valid: each `write` reports a full disk at once.
+/// A file that grows line by line and stays valid: each `write` reports a full disk at once and leaves no part of its
+/// line behind.
 class LineWriter {
  public:
   static Result<LineWriter> create(const std::string& path);
@@ -23,6 +27,7 @@ class LineWriter {
   explicit LineWriter(std::string path) : path_(std::move(path)) {}
   std::string path_;
   std::ofstream stream_;
+  std::uintmax_t whole_bytes_ = 0;  ///< Up to the end of the last line that was written.
 };
 
 }  // namespace groundscale

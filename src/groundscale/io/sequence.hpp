@@ -43,13 +43,14 @@ class Sequence {
 };
 
 struct SequenceRequest {
-  std::string source;              ///< KITTI odometry folder, image folder or video file.
-  std::optional<int> kitti_image;  ///< --image; default: image_0, else the first that is there.
+  std::string source;                             ///< KITTI odometry folder, image folder or video file.
+  std::optional<int> kitti_image = std::nullopt;  ///< --image; default: image_0, else the first that is there.
   int start = 0;
-  std::optional<int> frames;  ///< At most so many.
+  std::optional<int> frames = std::nullopt;  ///< At most so many.
 };
 
-/// Opens a source. With `decode_ahead` a thread decodes a few frames ahead; the frames are the same.
+/// Opens a source (docs/formats.md). With `decode_ahead` a thread decodes a few frames ahead; the frames are the same.
+/// The first frame must be readable: its size is the sequence's.
 /// @return kBadInput where there is nothing to read; kIo where a video's first frame can't be decoded.
 Result<std::unique_ptr<Sequence>> open_sequence(const SequenceRequest& request, bool decode_ahead);
 

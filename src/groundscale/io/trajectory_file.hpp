@@ -12,7 +12,7 @@ namespace groundscale {
 /// rotations that are none (beyond 1e-3), and times that fall.
 Result<Trajectory> read_trajectory(const std::string& path);
 
-/// One row, full precision (17 digits), without the line's end.
+/// One row without the line's end; numbers in the shortest form that reads back to the same bits (up to 17 digits).
 std::string kitti_row(const RigidTransform& world_from_cam);
 std::string tum_row(double time_s, const RigidTransform& world_from_cam);
 

@@ -1,0 +1,77 @@
+#include "groundscale/io/files.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "groundscale/io/text_internal.hpp"
+
+namespace groundscale {
+namespace {
+
+std::string system_reason() { return errno == 0 ? "unknown reason" : std::strerror(errno); }
+
+Error io_error(std::string_view what, const std::string& path) {
+  return Error{ErrorCode::kIo, fmt::format("{}: {}: {}", path, what, system_reason())};
+}
+
+}  // namespace
+
+Result<std::string> read_text(const std::string& path) {
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
+  constexpr std::size_t kBlock = std::size_t{1} << 16;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return internal::bad_input(path + ": is a folder, not a file");
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) return internal::bad_input(fmt::format("{}: can't be opened: {}", path, system_reason()));
+  std::string text;
+  std::string block(kBlock, '\0');
+  while (stream.read(block.data(), kBlock) || stream.gcount() > 0) {
+    text.append(block, 0, static_cast<std::size_t>(stream.gcount()));
+    if (text.size() > kMaxBytes) return internal::bad_input(path + ": more than 1 GiB, this is no text file");
+  }
+  if (stream.bad()) return io_error("can't be read", path);
+  return text;
+}
+
+Result<void> write_text(const std::string& path, std::string_view text) {
+  const std::string beside = path + ".part";
+  errno = 0;
+  std::ofstream stream(beside, std::ios::binary | std::ios::trunc);
+  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  stream.close();
+  if (stream && std::rename(beside.c_str(), path.c_str()) == 0) return {};
+  Error error = io_error("can't be written", path);
+  std::error_code ignored;
+  std::filesystem::remove(beside, ignored);
+  return error;
+}
+
+Result<LineWriter> LineWriter::create(const std::string& path) {
+  LineWriter writer(path);
+  errno = 0;
+  writer.stream_.open(path, std::ios::binary | std::ios::trunc);
+  if (!writer.stream_) return io_error("can't be written", path);
+  return writer;
+}
+
+Result<void> LineWriter::write(std::string_view line) {
+  errno = 0;
+  stream_.write(line.data(), static_cast<std::streamsize>(line.size()));
+  stream_.put('\n');
+  stream_.flush();
+  if (stream_) {
+    whole_bytes_ += line.size() + 1;
+    return {};
+  }
+  Error error = io_error("can't be written", path_);
+  stream_.close();
+  std::error_code ignored;
+  std::filesystem::resize_file(path_, whole_bytes_, ignored);
+  return error;
+}
+
+}  // namespace groundscale
