@@ -48,4 +48,13 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
   return x;
 }
 
+Eigen::Matrix<double, 3, 2> tangents_of(const Eigen::Vector3d& t) {
+  int smallest = 0;
+  t.cwiseAbs().minCoeff(&smallest);
+  Eigen::Matrix<double, 3, 2> tangents;
+  tangents.col(0) = t.cross(Eigen::Vector3d::Unit(smallest)).normalized();
+  tangents.col(1) = t.cross(tangents.col(0)).normalized();
+  return tangents;
+}
+
 }  // namespace groundscale

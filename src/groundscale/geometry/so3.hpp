@@ -19,4 +19,7 @@ double rotation_angle(const Eigen::Matrix3d& rotation);
 /// Nearest rotation in the Frobenius norm.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
 
+/// Two unit vectors that span the plane across t, as columns: the directions that the covariance of t refers to.
+Eigen::Matrix<double, 3, 2> tangents_of(const Eigen::Vector3d& t);
+
 }  // namespace groundscale

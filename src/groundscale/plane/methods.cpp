@@ -1,0 +1,52 @@
+#include "groundscale/plane/methods.hpp"
+
+#include <array>
+
+namespace groundscale {
+
+template <>
+std::vector<std::string_view> names_of<PlaneRefinement>() {
+  return {"levenberg_marquardt", "nelder_mead"};
+}
+
+std::span<const PlaneMethod> plane_methods() {
+  static constexpr std::array kMethods{
+      PlaneMethod{"sparse", "symmetric homography transfer error of sparse matches (Zhou, Dai, Li 2019)",
+                  estimate_plane_sparse},
+  };
+  return kMethods;
+}
+
+const PlaneMethod* find_plane_method(std::string_view name) {
+  for (const PlaneMethod& method : plane_methods()) {
+    if (method.name == name) return &method;
+  }
+  return nullptr;
+}
+
+void visit_fields(PlaneOptions& options, FieldVisitor& visitor) {
+  visitor.field({.key = "max_epipolar_px",
+                 .unit = "px",
+                 .help = "road matches must agree with R and t this well",
+                 .min = 0.05,
+                 .max = 20},
+                options.max_epipolar_px);
+  visitor.field({.key = "max_error_px",
+                 .unit = "px",
+                 .help = "symmetric transfer error of a match on the plane, each way",
+                 .min = 0.05,
+                 .max = 20},
+                options.max_error_px);
+  visitor.field({.key = "huber_px", .unit = "px", .help = "bound r0 of the Huber loss", .min = 0.01, .max = 20},
+                options.huber_px);
+  visitor.field({.key = "min_inliers",
+                 .unit = "",
+                 .help = "fewer road matches on the plane refuse the measurement",
+                 .min = 4,
+                 .max = 10000},
+                options.min_inliers);
+  visitor.field({.key = "refinement", .unit = "", .help = "how the plane is refined"}, options.refinement);
+  visitor.group("ransac", options.ransac);
+}
+
+}  // namespace groundscale

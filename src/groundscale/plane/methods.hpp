@@ -1,0 +1,65 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "groundscale/core/options.hpp"
+#include "groundscale/core/result.hpp"
+#include "groundscale/core/rng.hpp"
+#include "groundscale/estimation/ransac.hpp"
+#include "groundscale/geometry/ground_plane.hpp"
+#include "groundscale/plane/observations.hpp"
+
+namespace groundscale {
+
+enum class PlaneRefinement { kLevenbergMarquardt, kNelderMead };
+
+struct PlaneOptions {
+  double max_epipolar_px = 0.7;  ///< Road points must agree with R, t this well.
+  double max_error_px = 1.0;     ///< Symmetric transfer error of an inlier, each way.
+  double huber_px = 0.5;         ///< Bound r0 of the Huber loss.
+  int min_inliers = 30;
+  PlaneRefinement refinement = PlaneRefinement::kLevenbergMarquardt;
+  RansacOptions ransac{.min_trials = 20, .max_trials = 200, .confidence = 0.999};
+};
+
+void visit_fields(PlaneOptions& options, FieldVisitor& visitor);
+
+/// The plane of the road in the reference view, as one method measured it.
+struct PlaneMeasurement {
+  GroundPlane plane;          ///< In the unit of the views' translations.
+  GroundPlane initial_plane;  ///< Where the refinement started.
+  /// Formal covariance of m = n / h: image noise and, where given, the uncertainty of R and t. Roads aren't planes: the
+  /// truth is five to ten times as large, see GroundFilter's model term.
+  Eigen::Matrix3d covariance_of_m = Eigen::Matrix3d::Zero();
+  std::vector<int> inliers;  ///< Indices of the points that lie on the plane, ascending.
+  double rms_px = 0.0;       ///< Transfer error of the inliers, one way.
+};
+
+/// A way to measure the plane that needs no pixels. Adding one is one row in the table of `plane_methods`.
+using EstimatePlane = Result<PlaneMeasurement> (*)(const RoadObservations& observations, const PlaneOptions& options,
+                                                   Rng& rng);
+struct PlaneMethod {
+  std::string_view name;
+  std::string_view summary;
+  EstimatePlane estimate;
+};
+std::span<const PlaneMethod> plane_methods();
+
+/// The method of that name, null where there is none.
+const PlaneMethod* find_plane_method(std::string_view name);
+
+/// The paper's method (Zhou, Dai, Li 2019, Algorithm 1, steps 2 to 4): homography by RANSAC on the points that agree
+/// with the motion, linear start of m = n / h over all nine of its entries, then m alone by the symmetric transfer
+/// error
+///   sum rho(|x2 - H x1|) + rho(|x1 - H^-1 x2|),  H = R + t m^T,  rho = Huber,
+/// in pixels through the camera model. Every further view adds the same terms for the same m.
+/// @return kTooFewMatches, kDegenerateMotion (view 1 has no baseline), kNotGround (the homography is no plane's).
+/// Deterministic for a given rng. O(trials * points + iterations * sights).
+Result<PlaneMeasurement> estimate_plane_sparse(const RoadObservations& observations, const PlaneOptions& options,
+                                               Rng& rng);
+
+}  // namespace groundscale

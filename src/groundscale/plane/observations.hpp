@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "groundscale/camera/camera.hpp"
+#include "groundscale/geometry/rigid_transform.hpp"
+
+namespace groundscale {
+
+/// One sight of a road point.
+struct RoadSight {
+  int view = 0;  ///< Index into RoadObservations::cam_from_reference.
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+};
+
+/// A point on (what is taken for) the road, seen in the reference view and in others.
+struct RoadPoint {
+  std::int64_t id = 0;
+  Eigen::Vector2d pixel_in_reference = Eigen::Vector2d::Zero();
+  std::vector<RoadSight> sights;  ///< In other views than the reference.
+};
+
+/// What any method estimates the plane from. Two views from the pairwise odometry, many from a SLAM system's map; the
+/// unit of all translations is the caller's, and the plane's height comes out in it.
+struct RoadObservations {
+  CameraPtr camera;
+  /// Poses of the views by the reference view, which is view 0 and the identity.
+  std::vector<RigidTransform> cam_from_reference;
+  std::vector<RoadPoint> points;
+  /// Covariance of (rotation vector left of R, two tangents of t) of view 1 where it is known, else zero.
+  Eigen::Matrix<double, 5, 5> motion_covariance = Eigen::Matrix<double, 5, 5>::Zero();
+};
+
+}  // namespace groundscale

@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <opencv2/core/optim.hpp>
+
+#include "groundscale/estimation/robust.hpp"
+#include "groundscale/plane/refine_internal.hpp"
+
+namespace groundscale {
+namespace {
+
+struct NormalEquations {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+};
+
+class TransferCost {
+ public:
+  TransferCost(const RoadObservations& observations, const std::vector<Transfer>& transfers, double huber_px)
+      : observations_(observations), transfers_(transfers), loss_{huber_px} {}
+
+  double operator()(const Eigen::Vector3d& m) const {
+    double cost = 0.0;
+    for (const Transfer& transfer : transfers_) {
+      const auto error = error_of(m, transfer);
+      // A point that leaves the camera's field costs as much as one that is far off.
+      cost += error ? loss_.rho(error->forward.norm()) + loss_.rho(error->backward.norm()) : 2.0 * loss_.rho(kLostPx);
+    }
+    return cost;
+  }
+
+  NormalEquations linearise(const Eigen::Vector3d& m) const {
+    NormalEquations equations;
+    for (const Transfer& transfer : transfers_) {
+      const auto error = error_of(m, transfer);
+      if (!error) continue;
+      add(error->forward, error->forward_by_m, equations);
+      add(error->backward, error->backward_by_m, equations);
+    }
+    return equations;
+  }
+
+ private:
+  static constexpr double kLostPx = 100.0;
+
+  std::optional<TransferError> error_of(const Eigen::Vector3d& m, const Transfer& transfer) const {
+    const RigidTransform& pose = observations_.cam_from_reference[static_cast<std::size_t>(transfer.view)];
+    return transfer_error(*observations_.camera, pose, m, transfer);
+  }
+
+  void add(const Eigen::Vector2d& error, const Eigen::Matrix<double, 2, 3>& by_m, NormalEquations& equations) const {
+    const double weight = loss_.weight(error.norm());
+    equations.information.noalias() += weight * by_m.transpose() * by_m;
+    equations.gradient.noalias() += weight * by_m.transpose() * error;
+  }
+
+  const RoadObservations& observations_;
+  const std::vector<Transfer>& transfers_;
+  HuberLoss loss_;
+};
+
+Eigen::Vector3d refine_by_levenberg_marquardt(const TransferCost& cost_of, Eigen::Vector3d m) {
+  constexpr int kMaxIterations = 20;
+  constexpr int kMaxAttempts = 6;
+  double cost = cost_of(m);
+  double damping = 1e-4;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    const NormalEquations equations = cost_of.linearise(m);
+    bool moved = false;
+    double gain = 0.0;
+    for (int attempt = 0; attempt < kMaxAttempts && !moved; ++attempt) {
+      Eigen::Matrix3d damped = equations.information;
+      damped.diagonal() *= 1.0 + damping;
+      const Eigen::Vector3d next = m - damped.ldlt().solve(equations.gradient);
+      const double next_cost = next.allFinite() ? cost_of(next) : cost;
+      if (next_cost < cost) {
+        gain = cost - next_cost;
+        m = next;
+        cost = next_cost;
+        damping = std::max(1e-9, damping * 0.1);
+        moved = true;
+      } else {
+        damping *= 10.0;
+      }
+    }
+    constexpr double kMinGain = 1e-7;
+    if (!moved || gain < kMinGain * cost) break;
+  }
+  return m;
+}
+
+/// The paper's way. OpenCV's downhill simplex over m, scaled to its start.
+Eigen::Vector3d refine_by_nelder_mead(const TransferCost& cost_of, const Eigen::Vector3d& start) {
+  class Function final : public cv::MinProblemSolver::Function {
+   public:
+    Function(const TransferCost& cost, double unit) : cost_(cost), unit_(unit) {}
+    int getDims() const override { return 3; }
+    double calc(const double* x) const override { return cost_(unit_ * Eigen::Vector3d(x[0], x[1], x[2])); }
+
+   private:
+    const TransferCost& cost_;
+    double unit_;
+  };
+  const double unit = start.norm();
+  const double step = 0.05;  // 5 % of |m|, about 3 degrees
+  const cv::Ptr<cv::MinProblemSolver::Function> function = cv::makePtr<Function>(cost_of, unit);
+  const auto solver = cv::DownhillSolver::create(function, cv::Mat_<double>({3, 1}, {step, step, step}),
+                                                 {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 400, 1e-7});
+  cv::Mat point = (cv::Mat_<double>(1, 3) << start.x() / unit, start.y() / unit, start.z() / unit);
+  solver->minimize(point);
+  return unit * Eigen::Vector3d(point.at<double>(0), point.at<double>(1), point.at<double>(2));
+}
+
+}  // namespace
+
+Eigen::Vector3d refine_plane(const RoadObservations& observations, const std::vector<Transfer>& transfers,
+                             const Eigen::Vector3d& start, const PlaneOptions& options) {
+  const TransferCost cost(observations, transfers, options.huber_px);
+  return options.refinement == PlaneRefinement::kNelderMead ? refine_by_nelder_mead(cost, start)
+                                                            : refine_by_levenberg_marquardt(cost, start);
+}
+
+Eigen::Matrix3d covariance_of_plane(const RoadObservations& observations, const std::vector<Transfer>& transfers,
+                                    const Eigen::Vector3d& m, const PlaneOptions& options) {
+  const HuberLoss loss{options.huber_px};
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, 5> by_motion = Eigen::Matrix<double, 3, 5>::Zero();
+  double squares = 0.0;
+  for (const Transfer& transfer : transfers) {
+    const RigidTransform& pose = observations.cam_from_reference[static_cast<std::size_t>(transfer.view)];
+    const auto error = transfer_error(*observations.camera, pose, m, transfer);
+    if (!error) continue;
+    const double weight = loss.weight(error->forward.norm());
+    information += weight * error->forward_by_m.transpose() * error->forward_by_m;
+    squares += weight * error->forward.squaredNorm();
+    if (transfer.view != 1) continue;
+    const auto by_view = forward_by_motion(*observations.camera, pose, m, transfer);
+    if (by_view) by_motion += weight * error->forward_by_m.transpose() * *by_view;
+  }
+  const double degrees_of_freedom = std::max(1.0, 2.0 * static_cast<double>(transfers.size()) - 3.0);
+  const Eigen::Matrix3d unscaled = information.ldlt().solve(Eigen::Matrix3d::Identity());
+  const Eigen::Matrix<double, 3, 5> m_by_motion = -unscaled * by_motion;
+  return unscaled * (squares / degrees_of_freedom) +
+         m_by_motion * observations.motion_covariance * m_by_motion.transpose();
+}
+
+}  // namespace groundscale

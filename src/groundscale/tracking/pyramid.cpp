@@ -1,0 +1,16 @@
+#include "groundscale/tracking/pyramid.hpp"
+
+#include <opencv2/video/tracking.hpp>
+
+#include "groundscale/tracking/opencv_internal.hpp"
+
+namespace groundscale {
+
+Pyramid::Pyramid(const Image& image, int levels, int window_px) : image_(image) {
+  auto made = std::make_shared<Levels>();
+  cv::buildOpticalFlowPyramid(view_of(image), made->images, {window_px, window_px}, levels, /*withDerivatives=*/false,
+                              cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, /*tryReuseInputImage=*/false);
+  levels_ = std::move(made);
+}
+
+}  // namespace groundscale

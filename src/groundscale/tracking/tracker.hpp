@@ -1,0 +1,52 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "groundscale/core/options.hpp"
+#include "groundscale/tracking/detect.hpp"
+#include "groundscale/tracking/klt.hpp"
+#include "groundscale/tracking/matches.hpp"
+#include "groundscale/tracking/pyramid.hpp"
+
+namespace groundscale {
+
+struct TrackingOptions {
+  int max_tracks = 500;
+  KltOptions klt;
+  DetectOptions detect{.cell_px = 24, .min_gradient = 2.0, .reduction = 2, .border_px = 8};
+};
+
+void visit_fields(TrackingOptions& options, FieldVisitor& visitor);
+
+/// Where a point of the last frame is expected in the next one.
+using PixelPrediction = std::function<Eigen::Vector2d(const Eigen::Vector2d& pixel)>;
+
+/// Points followed from frame to frame over the whole image, each under an id of its own that never comes again.
+class Tracker {
+ public:
+  explicit Tracker(const TrackingOptions& options) : options_(options) {}
+
+  /// Follows the tracks into the next frame and starts new ones where they have thinned out.
+  /// @param mask  Where points are wanted (not 0); empty: everywhere.
+  /// @param prediction  Empty: points are expected where they were.
+  void advance(const Pyramid& next, const Image& mask, const PixelPrediction& prediction = {});
+
+  /// All tracks of the present frame, ids ascending.
+  const std::vector<TrackPoint>& points() const { return points_; }
+  /// How many of them were followed here from the frame before.
+  int followed() const { return followed_; }
+
+ private:
+  void follow(const Pyramid& next, const Image& mask, const PixelPrediction& prediction);
+  void replenish(const Pyramid& frame, const Image& mask);
+
+  TrackingOptions options_;
+  Pyramid last_;
+  std::vector<TrackPoint> points_;
+  int followed_ = 0;
+  TrackId next_id_ = 0;
+};
+
+}  // namespace groundscale
