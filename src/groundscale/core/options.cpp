@@ -6,6 +6,15 @@
 
 namespace groundscale {
 
+std::string range_text(const FieldInfo& info) {
+  const std::string unit = info.unit.empty() ? "" : fmt::format(" {}", info.unit);
+  if (std::isfinite(info.min) && std::isfinite(info.max))
+    return fmt::format("from {} to {}{}", info.min, info.max, unit);
+  if (std::isfinite(info.min)) return fmt::format("at least {}{}", info.min, unit);
+  if (std::isfinite(info.max)) return fmt::format("at most {}{}", info.max, unit);
+  return "";
+}
+
 void NamedFieldVisitor::enter(std::string_view key) { prefix_ += std::string(key) + "."; }
 
 void NamedFieldVisitor::leave() {
@@ -27,9 +36,9 @@ void RangeCheck::field(const FieldInfo&, Choice) {}
 
 void RangeCheck::check(const FieldInfo& info, double value) {
   if (!result_ || (std::isfinite(value) && value >= info.min && value <= info.max)) return;
-  result_ =
-      Error{ErrorCode::kBadInput, fmt::format("{}: {} is out of range, it must be from {} to {}{}{}", name_of(info),
-                                              value, info.min, info.max, info.unit.empty() ? "" : " ", info.unit)};
+  const std::string range = range_text(info);
+  result_ = Error{ErrorCode::kBadInput, fmt::format("{}: {} is out of range, it must be {}", name_of(info), value,
+                                                    range.empty() ? "a finite number" : range)};
 }
 
 }  // namespace internal

@@ -20,6 +20,9 @@ struct FieldInfo {
   double max = std::numeric_limits<double>::infinity();
 };
 
+/// "from 0 to 5 px", "at least 0 px", "at most 5 px", or "" where there is no bound.
+std::string range_text(const FieldInfo& info);
+
 /// An enumeration as an option: names in the order of its values, which count from 0.
 struct Choice {
   std::vector<std::string_view> names;
