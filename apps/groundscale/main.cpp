@@ -21,6 +21,7 @@ int run_program(int argc, char** argv) {
   app.set_version_flag("--version", "groundscale " GROUNDSCALE_VERSION);
   app.require_subcommand(1);
   int exit_status = kDone;
+  add_evaluate(app, exit_status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -41,7 +42,7 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     fmt::print(stderr, "groundscale: failed: {}\n", error.what());
   }
-  if (std::fflush(stdout) != 0) {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
     fmt::print(stderr, "groundscale: the results could not be written to the standard output\n");
     if (exit_status == kDone) exit_status = kFailedOnTheWay;
   }
