@@ -88,19 +88,27 @@ Result<Image> ImageDecoder::decode(std::string_view bytes) {
   if (const std::optional<std::string> reason = truncation(bytes)) return bad_input(*reason);
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-    cv::Mat mat = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
-    if (mat.empty()) return bad_input("can't be decoded as an image");
-    if (mat.channels() == 3) cv::cvtColor(mat, mat, cv::COLOR_BGR2GRAY);
-    if (mat.channels() == 4) cv::cvtColor(mat, mat, cv::COLOR_BGRA2GRAY);
-    if (mat.depth() == CV_16U) {
-      if (!grey_a_16bit_step_) grey_a_16bit_step_ = grey_a_step(mat);
-      mat.convertTo(mat, CV_8U, *grey_a_16bit_step_);
-    }
-    if (mat.type() != CV_8UC1) return bad_input("an image must have 8 or 16 bit and 1, 3 or 4 channels");
-    return image_of(mat);
+    // Unchanged: asked for grey, the decoders would each convert colour and 16 bit in a way of their own.
+    const cv::Mat decoded = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
+    if (decoded.empty()) return bad_input("can't be decoded as an image");
+    return convert(decoded);
   } catch (const cv::Exception& e) {
     return bad_input(fmt::format("can't be decoded as an image ({})", e.err));
   }
+}
+
+Result<Image> ImageDecoder::convert(const cv::Mat& decoded) {
+  cv::Mat grey = decoded;
+  if (decoded.channels() == 3) cv::cvtColor(decoded, grey, cv::COLOR_BGR2GRAY);
+  if (decoded.channels() == 4) cv::cvtColor(decoded, grey, cv::COLOR_BGRA2GRAY);
+  if (grey.type() == CV_16UC1) {
+    if (!grey_a_16bit_step_) grey_a_16bit_step_ = grey_a_step(grey);
+    cv::Mat eight_bit;
+    grey.convertTo(eight_bit, CV_8U, *grey_a_16bit_step_);
+    grey = eight_bit;
+  }
+  if (grey.type() != CV_8UC1) return bad_input("an image must have 8 or 16 bit and 1, 3 or 4 channels");
+  return image_of(grey);
 }
 
 Result<Image> ImageDecoder::read(const std::string& path) {

@@ -6,6 +6,7 @@
 #include "groundscale/io/decode_ahead_internal.hpp"
 #include "groundscale/io/image_folder_internal.hpp"
 #include "groundscale/io/text_internal.hpp"
+#include "groundscale/io/video_internal.hpp"
 
 namespace groundscale {
 
@@ -15,10 +16,8 @@ Result<std::unique_ptr<Sequence>> open_sequence(const SequenceRequest& request, 
   if (!std::filesystem::exists(status)) {
     return internal::bad_input(request.source + ": no such folder or file");
   }
-  if (!std::filesystem::is_directory(status)) {
-    return internal::bad_input(request.source + ": videos are not read yet");
-  }
-  Result<std::unique_ptr<Sequence>> sequence = internal::open_image_folder(request);
+  Result<std::unique_ptr<Sequence>> sequence =
+      std::filesystem::is_directory(status) ? internal::open_image_folder(request) : internal::open_video(request);
   if (!sequence || !decode_ahead) return sequence;
   return internal::decode_ahead(std::move(*sequence));
 }

@@ -28,7 +28,7 @@ class Sequence {
   virtual std::optional<Frame> next() = 0;
 
   virtual int first_frame() const = 0;
-  /// Frames from first_frame on, as declared; a video may end earlier.
+  /// Frames from first_frame on, as declared; a video may end earlier or later.
   virtual int frame_count() const = 0;
   virtual int width() const = 0;
   virtual int height() const = 0;
