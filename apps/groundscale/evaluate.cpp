@@ -60,13 +60,16 @@ void add_evaluate(CLI::App& app, int& exit_status) {
       ->add_option("ESTIMATE", request.estimate,
                    "A run's folder, or a trajectory (KITTI rows; TUM rows, matched by time)")
       ->required();
-  command->add_option("--truth", request.truth, "True trajectory (KITTI or TUM rows)")->required()->option_text("FILE");
+  command->add_option("--truth", request.truth, "True trajectory (KITTI or TUM rows)")
+      ->required()
+      ->option_text("FILE REQUIRED");
   command->add_option("--truth-offset", request.truth_offset, "Row i of the estimate is row i + N of the truth")
       ->option_text("N");
   command->add_option("--skip", request.skip, "Leave out the first N rows of the estimate")->option_text("N");
   command
       ->add_option("--lengths", arguments->lengths_m, "Segments of t_rel and r_rel in metres (default 100,200,...,800)")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->option_text("L,L,...");
   command->add_option("--json", arguments->json, "Write all figures to this file too, with full precision")
       ->option_text("FILE");

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "groundscale/core/check.hpp"
+#include "groundscale/io/files.hpp"
+#include "groundscale/io/temp_folder_internal.hpp"
+
+namespace groundscale {
+
+/// What a run of the built program left behind.
+struct ProgramRun {
+  int status = -1;  ///< Exit status; -1 where it ended by a signal.
+  std::string out;
+  std::string err;
+};
+
+/// Runs the program that CTest names in GROUNDSCALE_PROGRAM, without a terminal.
+inline ProgramRun run_program(const std::vector<std::string>& arguments) {
+  const char* program = std::getenv("GROUNDSCALE_PROGRAM");
+  GS_CHECK(program != nullptr, "GROUNDSCALE_PROGRAM names the program; CTest sets it");
+  const internal::TempFolder folder;
+  const auto quoted = [](const std::string& word) {
+    std::string text = "'";
+    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return text + "'";
+  };
+  std::string command = quoted(program);
+  for (const std::string& argument : arguments) command += " " + quoted(argument);
+  command += " < /dev/null > " + quoted(folder / "out") + " 2> " + quoted(folder / "err");
+  const int raw = std::system(command.c_str());
+  ProgramRun run;
+  run.status = WIFEXITED(raw) ? WEXITSTATUS(raw) : -1;
+  run.out = read_text(folder / "out").value();
+  run.err = read_text(folder / "err").value();
+  return run;
+}
+
+}  // namespace groundscale
