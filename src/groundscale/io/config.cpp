@@ -302,11 +302,11 @@ Result<void> apply_assignment(std::string_view assignment, const VisitOptions& v
   if (equals == std::string_view::npos) return bad_input(quoted(assignment) + " must be KEY=VALUE");
   const std::string name(internal::trimmed(assignment.substr(0, equals)));
   std::string_view value = assignment.substr(equals + 1);
-  Given given{.place = name, .is_list = false, .words = {std::string(value)}};
+  Given given{.place = internal::printable(name), .is_list = false, .words = {std::string(value)}};
   const std::vector<FieldRow> rows = field_rows(visit);
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const FieldRow& r) { return r.name == name; });
   if (row != rows.end() && row->type == "list") {
-    given = {.place = name, .is_list = true, .words = {}};
+    given = {.place = internal::printable(name), .is_list = true, .words = {}};
     value = internal::trimmed(value);
     if (value.size() >= 2 && value.front() == '[' && value.back() == ']') value = value.substr(1, value.size() - 2);
     while (!internal::trimmed(value).empty()) {

@@ -56,13 +56,17 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kMaxLength = 40;
-  std::string printable(text.substr(0, kMaxLength));
-  for (char& c : printable) {
+std::string printable(std::string_view text) {
+  std::string printable_text(text);
+  for (char& c : printable_text) {
     if (c < ' ' || c > '~') c = '?';
   }
-  return fmt::format("'{}{}'", printable, text.size() > kMaxLength ? "..." : "");
+  return printable_text;
+}
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kMaxLength = 40;
+  return fmt::format("'{}{}'", printable(text.substr(0, kMaxLength)), text.size() > kMaxLength ? "..." : "");
 }
 
 std::string shortest(double value) { return fmt::format("{}", value); }

@@ -28,7 +28,10 @@ std::vector<Line> split_lines(std::string_view text);
 /// Without blanks at both ends.
 std::string_view trimmed(std::string_view text);
 
-/// A piece of the user's text for a message: in quotes, cut at 40 characters, what can't be printed as '?'.
+/// Every byte that isn't printable ASCII as '?', so that a message is fit for any terminal.
+std::string printable(std::string_view text);
+
+/// A piece of the user's text for a message: in quotes, cut at 40 characters, printable.
 std::string quoted(std::string_view text);
 
 /// Shortest decimal form that reads back to the same bits; at least one digit, never with a locale's comma.

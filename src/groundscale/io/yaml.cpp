@@ -12,7 +12,7 @@ namespace {
 
 std::string place_text(const std::string& source_name, const YAML::Mark& mark, const std::string& key) {
   const std::string line = mark.line < 0 ? "" : fmt::format(":{}", mark.line + 1);
-  return source_name + line + (key.empty() ? "" : ": " + key);
+  return source_name + line + (key.empty() ? "" : ": " + printable(key));
 }
 
 }  // namespace
@@ -24,7 +24,7 @@ Result<YAML::Node> parse_yaml(const std::string& text, const std::string& source
     if (documents.size() > 1) return bad_input(source_name + ": holds several YAML documents, it must be one");
     return documents.front();
   } catch (const YAML::Exception& e) {
-    return bad_input(fmt::format("{}: isn't YAML: {}", place_text(source_name, e.mark, ""), e.msg));
+    return bad_input(fmt::format("{}: isn't YAML: {}", place_text(source_name, e.mark, ""), printable(e.msg)));
   }
 }
 
