@@ -110,7 +110,6 @@ class ImageFolder final : public Sequence {
     } else {
       frame.image = *image;
     }
-    if (!frame.problem.empty()) warnings_.push_back(frame.problem);
     return frame;
   }
 
@@ -120,7 +119,7 @@ class ImageFolder final : public Sequence {
   int height() const override { return height_; }
   std::string calibration_path() const override { return calibration_in(layout_.root); }
   std::optional<int> kitti_image() const override { return layout_.kitti_image; }
-  std::vector<std::string> warnings() const override { return warnings_; }
+  std::vector<std::string> warnings() const override { return {}; }
   bool has_times() const override { return !times_s_.empty(); }
 
  private:
@@ -153,7 +152,6 @@ class ImageFolder final : public Sequence {
   int next_ = 0;
   int width_ = 0;
   int height_ = 0;
-  std::vector<std::string> warnings_;
 };
 
 }  // namespace

@@ -36,7 +36,8 @@ class Sequence {
   virtual std::string calibration_path() const = 0;
   /// Whether the source has KITTI odometry's layout, and which image folder (0..3) is read.
   virtual std::optional<int> kitti_image() const { return std::nullopt; }
-  /// Warnings met so far, in order ("video declares 300 frames, 287 were decoded").
+  /// What was wrong with the source as a whole so far ("declares 300 frames, 287 were decoded"); what was wrong with a
+  /// frame comes with the frame.
   virtual std::vector<std::string> warnings() const = 0;
   /// False where times are made up (an image folder without times.txt: 10 Hz).
   virtual bool has_times() const = 0;

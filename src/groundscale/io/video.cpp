@@ -144,7 +144,6 @@ class Video final : public Sequence {
     } else {
       accept(turned(stored, quarter_turns_), &frame);
     }
-    if (!frame.problem.empty()) warnings_.push_back(frame.problem);
     return frame;
   }
 
