@@ -21,6 +21,7 @@ int run_program(int argc, char** argv) {
   app.set_version_flag("--version", "groundscale " GROUNDSCALE_VERSION);
   app.require_subcommand(1);
   int exit_status = kDone;
+  add_run(app, exit_status);
   add_evaluate(app, exit_status);
   try {
     app.parse(argc, argv);

@@ -228,15 +228,19 @@ RotationFit fit_rotation(const std::vector<RayPair>& pairs, double focal_px) {
   return fit;
 }
 
+bool has_stood_still(const std::vector<RayPair>& pairs, double focal_px, const MotionOptions& options) {
+  std::vector<double> moved;
+  for (const RayPair& pair : pairs) moved.push_back(focal_px * (pair.ray2 - pair.ray1).norm());
+  return !moved.empty() && quantile(moved, 0.75) < options.still_px;
+}
+
 TwoViewMotion estimate_motion(const std::vector<RayPair>& pairs, double focal_px, const MotionOptions& options,
                               Rng& rng, const std::optional<RigidTransform>& guess) {
   if (static_cast<int>(pairs.size()) < options.min_inliers) {
     return lost(fmt::format("{} matches, {} needed", pairs.size(), options.min_inliers));
   }
-  std::vector<double> moved;
-  for (const RayPair& pair : pairs) moved.push_back(focal_px * (pair.ray2 - pair.ray1).norm());
   TwoViewMotion motion;
-  if (quantile(moved, 0.75) < options.still_px) {
+  if (has_stood_still(pairs, focal_px, options)) {
     motion.state = MotionState::kStill;
     return motion;
   }

@@ -57,6 +57,9 @@ struct RotationFit {
 };
 RotationFit fit_rotation(const std::vector<RayPair>& pairs, double focal_px);
 
+/// Whether three quarters of the points have moved less than `still_px`; false without points.
+bool has_stood_still(const std::vector<RayPair>& pairs, double focal_px, const MotionOptions& options);
+
 /// R and t (|t| = 1) between two views: five-point RANSAC (Nister 2004) on unit rays, then all inliers by Sampson's
 /// error with a Cauchy loss. Standing still and pure rotation are told apart first; no direction is invented for them.
 /// @param focal_px  Turns the thresholds in pixels into angles.

@@ -1,0 +1,227 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "groundscale/estimation/robust.hpp"
+#include "groundscale/io/camera_file.hpp"
+#include "groundscale/io/config.hpp"
+#include "groundscale/io/files.hpp"
+#include "groundscale/io/sequence.hpp"
+#include "groundscale/odometry/pairwise.hpp"
+#include "groundscale/odometry/run_writer.hpp"
+
+namespace groundscale {
+namespace {
+
+struct RunArguments {
+  SequenceRequest sequence;
+  std::string output;
+  std::string camera_file;
+  std::optional<double> camera_height_m;
+  std::string config_file;
+  std::vector<std::string> assignments;
+  std::optional<int> seed;
+  bool force = false;
+  bool quiet = false;
+};
+
+constexpr double kKittiHeightM = 1.65;
+
+Result<OdometryOptions> read_options(const RunArguments& arguments) {
+  OdometryOptions options;
+  const VisitOptions visit = [&options](FieldVisitor& visitor) { visit_fields(options, visitor); };
+  if (!arguments.config_file.empty()) {
+    const auto text = read_text(arguments.config_file);
+    if (!text) return text.error();
+    if (const auto done = apply_yaml(*text, arguments.config_file, visit); !done) return done.error();
+  }
+  for (const std::string& assignment : arguments.assignments) {
+    if (const auto done = apply_assignment(assignment, visit); !done) return done.error();
+  }
+  if (arguments.seed) options.seed = *arguments.seed;
+  if (const auto valid = options.validate(); !valid) return valid.error();
+  return options;
+}
+
+Result<CameraSetup> read_camera(const RunArguments& arguments, const Sequence& sequence, RunSummary& summary) {
+  const std::string path = arguments.camera_file.empty() ? sequence.calibration_path() : arguments.camera_file;
+  if (path.empty()) {
+    return Error{
+        ErrorCode::kBadInput,
+        fmt::format("{}: no calibration: neither camera.yaml nor calib.txt lies there; --camera FILE names one",
+                    arguments.sequence.source)};
+  }
+  summary.camera_from = path;
+  const bool kitti = std::filesystem::path(path).extension() == ".txt";
+  auto setup =
+      kitti ? read_kitti_calibration(path, sequence.kitti_image().value_or(0), sequence.width(), sequence.height())
+            : read_camera_file(path, sequence.width(), sequence.height());
+  if (!setup) return setup;
+  if (arguments.camera_height_m) {
+    setup->height_m = arguments.camera_height_m;
+    summary.camera_height_from = "--camera-height";
+  } else if (setup->height_m) {
+    summary.camera_height_from = path;
+  } else if (sequence.kitti_image()) {
+    setup->height_m = kKittiHeightM;
+    summary.camera_height_from = "KITTI's documented height";
+  } else {
+    return Error{ErrorCode::kBadInput,
+                 "the camera height is missing: --camera-height M, or height_m in the camera file"};
+  }
+  if (!std::isfinite(*setup->height_m) || *setup->height_m <= 0.0) {
+    return Error{ErrorCode::kBadInput, fmt::format("the camera height is {} m, it must be above 0", *setup->height_m)};
+  }
+  constexpr double kUnlikelyHeightM = 20.0;
+  if (*setup->height_m > kUnlikelyHeightM) {
+    summary.warnings.push_back(fmt::format("the camera height is {} m: is it given in metres?", *setup->height_m));
+  }
+  summary.camera_height_m = *setup->height_m;
+  return setup;
+}
+
+/// Frame, rate and distance so far, on one line of a terminal.
+class Progress {
+ public:
+  Progress(bool shown, int frames) : shown_(shown), frames_(frames) {}
+  ~Progress() {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+  }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void show(int done, double seconds, std::optional<double> metres) {
+    constexpr double kIntervalS = 0.2;
+    if (!shown_ || seconds - last_ < kIntervalS) return;
+    last_ = seconds;
+    fmt::print(stderr, "\rframe {} of {}, {:.1f} a second, {}\033[K", done, frames_, done / seconds,
+               metres ? fmt::format("{:.1f} m", *metres) : std::string("no scale yet"));
+    std::fflush(stderr);
+  }
+
+ private:
+  bool shown_;
+  int frames_;
+  double last_ = 0.0;
+};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Result<void> drive(Sequence& sequence, PairwiseOdometry& odometry, RunWriter& writer, const RunArguments& arguments,
+                   RunSummary& summary) {
+  Progress progress(!arguments.quiet && isatty(STDERR_FILENO) != 0, sequence.frame_count());
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<double> frame_ms;
+  double decoding_s = 0.0;
+  double metres = 0.0;
+  while (true) {
+    const auto frame_start = std::chrono::steady_clock::now();
+    const std::optional<Frame> frame = sequence.next();
+    if (!frame) break;
+    decoding_s += seconds_since(frame_start);
+    if (frame->image.empty()) summary.warnings.push_back(fmt::format("frame {}: {}", frame->index, frame->problem));
+    const FrameResult& result = odometry.advance(*frame);
+    if (const auto done = writer.write_online(odometry); !done) return done;
+    frame_ms.push_back(1e3 * seconds_since(frame_start));
+    metres += result.online_step_m;
+    progress.show(static_cast<int>(frame_ms.size()), seconds_since(start),
+                  odometry.scaled() ? std::optional(metres) : std::nullopt);
+  }
+  odometry.finish();
+  summary.wall_s = seconds_since(start);
+  const double count = std::max<double>(1.0, static_cast<double>(frame_ms.size()));
+  summary.stage_ms.emplace_back("waiting for images", 1e3 * decoding_s / count);
+  for (const auto& [stage, seconds] : odometry.clock().seconds())
+    summary.stage_ms.emplace_back(stage, 1e3 * seconds / count);
+  summary.median_ms = median(frame_ms);
+  summary.p95_ms = quantile(frame_ms, 0.95);
+  return {};
+}
+
+void print_summary(const RunSummary& s, const std::string& output) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  fmt::print("frames               {:>10}    {} moving, {} still, {} turning in place, {} bridged, {} lost\n", s.frames,
+             s.moving, s.still, s.rotating, s.bridged, s.lost);
+  fmt::print("length               {:>10.2f} m\n", s.length_m);
+  fmt::print("road measured        {:>10}    of {} moving frames\n", s.accepted, s.moving);
+  fmt::print("mounting pitch, roll {:>10.2f} {:.2f} deg\n", s.mounting.pitch_rad / kDegree,
+             s.mounting.roll_rad / kDegree);
+  fmt::print("time a frame         {:>10.1f} ms   median; 95 % below {:.1f} ms\n", s.median_ms, s.p95_ms);
+  fmt::print("camera height        {:>10.3f} m    from {}: 1 cm more makes every length {:.2f} % longer\n",
+             s.camera_height_m, s.camera_height_from, 1.0 / s.camera_height_m);
+  fmt::print("trajectory           {}\n", (std::filesystem::path(output) / "trajectory.kitti").string());
+}
+
+Result<void> run(const RunArguments& arguments) {
+  RunSummary summary;
+  auto options = read_options(arguments);
+  if (!options) return options.error();
+  auto sequence = open_sequence(arguments.sequence, /*decode_ahead=*/true);
+  if (!sequence) return sequence.error();
+  constexpr int kMinFrames = 2;
+  if ((*sequence)->frame_count() < kMinFrames) {
+    return Error{ErrorCode::kBadInput, fmt::format("{}: {} frame, at least {} are needed", arguments.sequence.source,
+                                                   (*sequence)->frame_count(), kMinFrames)};
+  }
+  auto setup = read_camera(arguments, **sequence, summary);
+  if (!setup) return setup.error();
+  auto odometry = PairwiseOdometry::create(*setup, *options);
+  if (!odometry) return odometry.error();
+  auto writer = RunWriter::create(arguments.output, arguments.force);
+  if (!writer) return writer.error();
+
+  summary.source = arguments.sequence.source;
+  summary.seed = options->seed;
+  summary.first_frame = (*sequence)->first_frame();
+  summary.has_times = (*sequence)->has_times();
+  if (!summary.has_times) summary.warnings.emplace_back("the source has no times: 10 frames a second are assumed");
+  if (const auto done = drive(**sequence, *odometry, *writer, arguments, summary); !done) return done;
+  for (const std::string& warning : (*sequence)->warnings()) summary.warnings.push_back(warning);
+  add_figures(*odometry, summary);
+  if (!odometry->scaled())
+    summary.warnings.emplace_back("no measurement of the road was accepted: the trajectory has no scale");
+  const VisitOptions visit = [&options](FieldVisitor& visitor) { visit_fields(*options, visitor); };
+  if (const auto done = writer->finish(*odometry, summary, to_yaml(visit)); !done) return done;
+  for (const std::string& warning : summary.warnings) fmt::print(stderr, "groundscale: warning: {}\n", warning);
+  print_summary(summary, arguments.output);
+  return {};
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& exit_status) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command = app.add_subcommand("run", "A metric trajectory from a drive");
+  command->add_option("SOURCE", arguments->sequence.source, "KITTI odometry folder, image folder or video")->required();
+  command->add_option("--output", arguments->output, "Folder for the results")->required();
+  command->add_option("--camera", arguments->camera_file, "Camera file (docs/formats.md)");
+  command->add_option("--camera-height", arguments->camera_height_m, "Metres above the road");
+  command->add_option("--image", arguments->sequence.kitti_image, "KITTI's image folder")->check(CLI::Range(0, 3));
+  command->add_option("--config", arguments->config_file, "Configuration file");
+  command->add_option("--set", arguments->assignments, "KEY=VALUE of the configuration")->expected(1)->take_all();
+  command->add_option("--start", arguments->sequence.start, "First frame")->check(CLI::NonNegativeNumber);
+  command->add_option("--frames", arguments->sequence.frames, "At most so many frames")->check(CLI::PositiveNumber);
+  command->add_option("--seed", arguments->seed, "Of all random draws")->check(CLI::NonNegativeNumber);
+  command->add_flag("--force", arguments->force, "Overwrite the output");
+  command->add_flag("--quiet", arguments->quiet, "No progress");
+  command->callback([arguments, &exit_status] {
+    const auto done = run(*arguments);
+    exit_status = done ? kDone : report_failure(done.error());
+  });
+}
+
+}  // namespace groundscale

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "groundscale/geometry/rigid_transform.hpp"
+
+namespace groundscale {
+
+/// What a vehicle did in a frame, as far as the images tell.
+enum class FrameState {
+  kMoving,
+  kStill,
+  kRotating,  ///< Turned without moving.
+  kBridged,   ///< No motion found; pose by constant velocity.
+  kLost,      ///< The same for longer than a bridge may be.
+};
+std::string_view name_of(FrameState state);
+
+/// One frame of a drive. Poses have no scale of their own: a link to an earlier frame, and the length of the step to
+/// the frame before; metres are made at output, so a correction of scale is one number a frame.
+struct FrameResult {
+  int frame = 0;  ///< In the source.
+  double time_s = 0.0;
+  FrameState state = FrameState::kLost;
+  std::string reason;  ///< Why there is no accepted measurement; empty where there is one.
+
+  int reference = -1;  ///< Index of the result that the pose is linked to; -1 for the first.
+  Eigen::Matrix3d reference_from_cam = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d direction_in_reference = Eigen::Vector3d::Zero();  ///< Unit; zero where the camera stood.
+
+  double online_step_m = 0.0;  ///< Distance to the frame before; valid once `scaled`.
+  double step_m = 0.0;         ///< The same from the whole drive, once finished.
+  bool scaled = false;
+  double online_step_sd = 0.0;  ///< Of log step, filtered.
+  double step_sd = 0.0;         ///< Of log step, smoothed.
+
+  /// This frame's own measurement over the online step of its pair; empty where none was made.
+  std::optional<double> raw_over_online;
+  double raw_sd = 0.0;  ///< Of the log of the measurement.
+  std::optional<double> pitch_rad, roll_rad;
+  int matches = 0;
+  int road_matches = 0;
+  int road_inliers = 0;
+
+  bool accepted() const { return raw_over_online.has_value() && reason.empty(); }
+};
+
+}  // namespace groundscale

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <string>
+
+#include "groundscale/core/options.hpp"
+#include "groundscale/motion/two_view.hpp"
+#include "groundscale/plane/methods.hpp"
+#include "groundscale/road/region.hpp"
+#include "groundscale/road/road_tracker.hpp"
+#include "groundscale/scale/gates.hpp"
+#include "groundscale/scale/ground_filter.hpp"
+#include "groundscale/tracking/tracker.hpp"
+
+namespace groundscale {
+
+/// Which earlier frame a frame is paired with.
+struct PairOptions {
+  double min_parallax_px = 6.0;  ///< Upper quartile of the parallax that the pair should have.
+  int max_frames = 30;           ///< How far back a partner may lie.
+  int min_matches = 80;          ///< Fewer common tracks end the search.
+};
+
+void visit_fields(PairOptions& options, FieldVisitor& visitor);
+
+struct GroundOptions {
+  std::string method = "sparse";  ///< A name of `plane_methods`.
+  PlaneOptions plane;
+  GateOptions gates;
+  GroundFilterOptions filter;
+  bool follow_rotation = true;  ///< Carry the plane's pitch and roll from frame to frame by the camera's own rotation.
+  bool use_structure = true;    ///< Predict the speed from tracked points seen in both pairs.
+  int reopen_after = 5;         ///< Refusals in a row after which the filter trusts itself less.
+  int search_after = 3;         ///< Refusals in a row after which the step is searched for anew.
+  int settle_after = 15;        ///< Accepted measurements that find the mounting.
+};
+
+void visit_fields(GroundOptions& options, FieldVisitor& visitor);
+
+struct RoadOptions {
+  RegionOptions region;
+  RoadTrackingOptions tracking;
+  WarpSearchOptions search;
+};
+
+void visit_fields(RoadOptions& options, FieldVisitor& visitor);
+
+/// Everything about `groundscale run` that a configuration file may say.
+struct OdometryOptions {
+  int seed = 0;
+  TrackingOptions tracking;
+  MotionOptions motion;
+  PairOptions pair;
+  RoadOptions road;
+  GroundOptions ground;
+
+  /// Ranges of all fields, a known method, near before far.
+  Result<void> validate() const;
+};
+
+void visit_fields(OdometryOptions& options, FieldVisitor& visitor);
+
+}  // namespace groundscale

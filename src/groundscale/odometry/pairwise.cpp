@@ -1,0 +1,432 @@
+#include "groundscale/odometry/pairwise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "groundscale/geometry/so3.hpp"
+#include "groundscale/odometry/pose_chain.hpp"
+
+namespace groundscale {
+namespace {
+
+constexpr double kMinStepTimeS = 1e-3;
+constexpr double kMinStructureParallaxPx = 3.0;
+
+/// Where the tracker may work: all but the own vehicle.
+Image allowed_of(const Image& vehicle_mask) {
+  if (vehicle_mask.empty()) return {};
+  Image allowed(vehicle_mask.width(), vehicle_mask.height());
+  const auto count = static_cast<std::ptrdiff_t>(vehicle_mask.width()) * vehicle_mask.height();
+  std::transform(vehicle_mask.data(), vehicle_mask.data() + count, allowed.data(),
+                 [](std::uint8_t own) { return static_cast<std::uint8_t>(own == 0 ? 255 : 0); });
+  return allowed;
+}
+
+/// Whether two images differ by less than a grey level on average.
+bool same_image(const Image& a, const Image& b) {
+  if (a.width() != b.width() || a.height() != b.height()) return false;
+  const auto count = static_cast<std::ptrdiff_t>(a.width()) * a.height();
+  std::int64_t difference = 0;
+  for (std::ptrdiff_t i = 0; i < count; ++i) difference += std::abs(a.data()[i] - b.data()[i]);
+  return difference < count;
+}
+
+RoadObservations observations_of(const Matches& matches, const CameraPtr& camera, const TwoViewMotion& motion) {
+  RoadObservations observations;
+  observations.camera = camera;
+  observations.cam_from_reference = {RigidTransform{}, motion.cam2_from_cam1};
+  observations.motion_covariance = motion.covariance;
+  for (const Match& match : matches) {
+    observations.points.push_back({match.id, match.pixel1, {RoadSight{1, match.pixel2}}});
+  }
+  return observations;
+}
+
+}  // namespace
+
+Result<PairwiseOdometry> PairwiseOdometry::create(const CameraSetup& setup, const OdometryOptions& options) {
+  GS_CHECK(setup.camera != nullptr && setup.height_m.has_value(), "a camera and its height");
+  if (const auto valid = options.validate(); !valid) return valid.error();
+  PairwiseOdometry odometry(setup, options);
+  const Mounting mounting = odometry.mounting_.mounting();
+  const GroundPlane road{mounting.normal_in_cam(), *setup.height_m};
+  const Image region = intersect_masks(
+      region_mask({mounting.forward_in_cam(), 0.0}, road, *setup.camera, options.road.region), odometry.tracking_mask_);
+  if (mask_area(region) == 0) {
+    return Error{ErrorCode::kBadInput,
+                 fmt::format("no road is in view: the strip from {} to {} m ahead lies outside the image with this "
+                             "height, pitch, roll and yaw (or behind the vehicle mask)",
+                             options.road.region.near_m, options.road.region.far_m)};
+  }
+  return odometry;
+}
+
+PairwiseOdometry::PairwiseOdometry(const CameraSetup& setup, const OdometryOptions& options)
+    : camera_(setup.camera),
+      camera_height_m_(*setup.height_m),
+      tracking_mask_(allowed_of(setup.vehicle_mask)),
+      options_(options),
+      estimate_plane_(find_plane_method(options.ground.method)->estimate),
+      rng_(static_cast<std::uint64_t>(options.seed)),
+      tracker_(options.tracking),
+      road_matcher_(options.road.tracking),
+      mounting_(setup.pitch_rad, setup.roll_rad, setup.yaw_rad, options.ground.settle_after),
+      filter_(make_ground_filter(options.ground.filter, *setup.height_m)),
+      views_(options.pair, options.motion) {}
+
+const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& road_mask) {
+  details_ = {};
+  clock_.skip();
+  FrameResult result;
+  result.frame = frame.index;
+  result.time_s = frame.time_s;
+  result.scaled = scaled_;
+  if (frame.image.empty()) return bridge(std::move(result), frame.problem, frame);
+
+  tracker_.advance(Pyramid(frame.image, options_.tracking.klt.levels, options_.tracking.klt.window_px), tracking_mask_);
+  clock_.lap("tracking");
+  if (views_.empty()) {
+    result.state = FrameState::kStill;
+    result.reason = "first frame";
+    append(std::move(result), 0.0);
+    remember_view(frame, static_cast<int>(results_.size()) - 1);
+    return results_.back();
+  }
+  Pair pair = views_.pair_with(tracker_.points(), *camera_);
+  result.matches = static_cast<int>(pair.matches.size());
+  if (pair.motion.state != MotionState::kStill) {
+    pair.motion = estimate_motion(pair.rays, camera_->focal_px(), options_.motion, rng_, last_motion_);
+  }
+  clock_.lap("motion");
+  details_.matches = pair.matches;
+  details_.pairs = pair.rays;
+  details_.inliers = pair.motion.inliers;
+  switch (pair.motion.state) {
+    case MotionState::kStill:
+      return stand(std::move(result), frame);
+    case MotionState::kRotating:
+      return rotate(std::move(result), pair, frame);
+    case MotionState::kMoving:
+      return move(std::move(result), std::move(pair), frame, road_mask);
+    case MotionState::kLost:
+      break;
+  }
+  if (same_image(views_.latest().road.image, frame.image)) return stand(std::move(result), frame);
+  return bridge(std::move(result), pair.motion.reason, frame);
+}
+
+const FrameResult& PairwiseOdometry::append(FrameResult result, double step) {
+  result.online_step_m = step;
+  if (filter_->started()) result.online_step_sd = filter_->state().log_speed_sd;
+  online_poses_.push_back(
+      result.reference < 0
+          ? RigidTransform{}
+          : place(result, online_poses_[static_cast<std::size_t>(result.reference)], online_poses_.back(), step));
+  filter_->keep();
+  results_.push_back(std::move(result));
+  return results_.back();
+}
+
+void PairwiseOdometry::remember_view(const Frame& frame, int result_index) {
+  View view;
+  view.result = result_index;
+  view.time_s = frame.time_s;
+  view.points = tracker_.points();
+  view.road.image = frame.image;
+  for (const Match& match : road_matches_) view.road.points.push_back({match.id, match.pixel2});
+  road_matches_.clear();
+  views_.push(std::move(view));
+}
+
+const FrameResult& PairwiseOdometry::stand(FrameResult result, const Frame& frame) {
+  result.state = FrameState::kStill;
+  result.reason = "standing still";
+  result.reference = static_cast<int>(results_.size()) - 1;
+  filter_->stand(std::max(kMinStepTimeS, frame.time_s - results_.back().time_s));
+  bridged_in_a_row_ = 0;
+  return append(std::move(result), 0.0);
+}
+
+const FrameResult& PairwiseOdometry::rotate(FrameResult result, const Pair& pair, const Frame& frame) {
+  result.state = FrameState::kRotating;
+  result.reason = "turning without moving";
+  result.reference = pair.partner->result;
+  result.reference_from_cam = pair.motion.cam2_from_cam1.rotation.transpose();
+  filter_->stand(std::max(kMinStepTimeS, frame.time_s - results_.back().time_s));
+  bridged_in_a_row_ = 0;
+  append(std::move(result), 0.0);
+  remember_view(frame, static_cast<int>(results_.size()) - 1);
+  return results_.back();
+}
+
+const FrameResult& PairwiseOdometry::bridge(FrameResult result, std::string reason, const Frame& frame) {
+  constexpr int kMaxBridge = 10;
+  constexpr int kNewStart = 2;
+  result.state = ++bridged_in_a_row_ > kMaxBridge ? FrameState::kLost : FrameState::kBridged;
+  result.reason = std::move(reason);
+  double step = 0.0;
+  if (!results_.empty()) {
+    // Constant velocity: the last frame's turn and step once more.
+    const FrameResult& last = results_.back();
+    result.reference = static_cast<int>(results_.size()) - 1;
+    const double dt = std::max(kMinStepTimeS, frame.time_s - last.time_s);
+    if (results_.size() >= 2 && result.state == FrameState::kBridged) {
+      const RigidTransform& before = online_poses_[online_poses_.size() - 2];
+      const RigidTransform& now = online_poses_.back();
+      result.reference_from_cam = nearest_rotation(before.rotation.transpose() * now.rotation);
+      const Eigen::Vector3d moved = now.rotation.transpose() * (now.translation - before.translation);
+      if (moved.norm() > 0.0) {
+        result.direction_in_reference = result.reference_from_cam * moved.normalized();
+        const double last_dt = std::max(kMinStepTimeS, last.time_s - results_[results_.size() - 2].time_s);
+        step = moved.norm() * dt / last_dt;
+      }
+    }
+    filter_->predict({.dt_s = dt});
+  }
+  append(std::move(result), step);
+  // A partner from before the gap is best; where it fails as well, tracks begin anew here.
+  if (!frame.image.empty() && bridged_in_a_row_ >= kNewStart) {
+    remember_view(frame, static_cast<int>(results_.size()) - 1);
+  }
+  return results_.back();
+}
+
+double PairwiseOdometry::lead_of(const Pair& pair) const {
+  const RigidTransform& partner = online_poses_[static_cast<std::size_t>(pair.partner->result)];
+  return (online_poses_.back().translation - partner.translation).norm();
+}
+
+GroundStep PairwiseOdometry::step_of(const Pair& pair, double dt_s) const {
+  GroundStep step;
+  step.dt_s = dt_s;
+  const RigidTransform& world_from_partner = online_poses_[static_cast<std::size_t>(pair.partner->result)];
+  const RigidTransform cam_from_partner = pair.motion.cam2_from_cam1;
+  step.rotation = cam_from_partner.rotation * world_from_partner.rotation.transpose() * online_poses_.back().rotation;
+  step.direction = cam_from_partner.translation;
+  if (options_.ground.follow_rotation && filter_->started()) {
+    const GroundState state = filter_->state();
+    const Eigen::Vector3d normal = Mounting{state.pitch_rad, state.roll_rad, 0.0}.normal_in_cam();
+    const PlaneAngles turned = plane_angles(step.rotation * normal);
+    step.pitch_change_rad = turned.pitch_rad - state.pitch_rad;
+    step.roll_change_rad = turned.roll_rad - state.roll_rad;
+  }
+  return step;
+}
+
+/// The present step from points that earlier pairs have placed; sets the change of speed of `step`. 0 where unknown.
+double PairwiseOdometry::step_from_structure(const Pair& pair, const FrameResult&, GroundStep& step) const {
+  const RigidTransform& partner = online_poses_[static_cast<std::size_t>(pair.partner->result)];
+  const auto found = distance_from_structure(structure_, pair.rays, pair.motion, partner.translation,
+                                             camera_->focal_px(), kMinStructureParallaxPx);
+  if (!found) return 0.0;
+  const double lead = lead_of(pair);
+  const double present = found->distance - lead;
+  const FrameResult& last = results_.back();
+  const double last_dt = results_.size() < 2 ? step.dt_s : last.time_s - results_[results_.size() - 2].time_s;
+  constexpr double kMinShare = 0.2;  // of the distance: below, the step is the error's
+  if (!(present > kMinShare * lead / 3.0) || !(last.online_step_m > 0.0) || !(last_dt > 0.0))
+    return std::max(0.0, present);
+  step.log_speed_change = std::log(present / step.dt_s / (last.online_step_m / last_dt));
+  constexpr double kModelSd = 0.01;  // what calibration and slipping tracks do, a pair
+  step.log_speed_change_sd = std::hypot(found->log_sd, kModelSd) * found->distance / present;
+  return present;
+}
+
+const FrameResult& PairwiseOdometry::move(FrameResult result, Pair pair, const Frame& frame, const Image& road_mask) {
+  result.state = FrameState::kMoving;
+  result.reference = pair.partner->result;
+  result.reference_from_cam = pair.motion.cam2_from_cam1.rotation.transpose();
+  result.direction_in_reference = (-result.reference_from_cam * pair.motion.cam2_from_cam1.translation).normalized();
+  const double dt = std::max(kMinStepTimeS, frame.time_s - results_.back().time_s);
+
+  GroundStep step = step_of(pair, dt);
+  const double structure_step = step_from_structure(pair, result, step);
+  if (!options_.ground.use_structure) step.log_speed_change.reset();
+  filter_->predict(step);
+  const double lead = lead_of(pair);
+  double expected_step = filter_->started() ? filter_->state().speed_mps * dt : structure_step;
+  if (expected_step <= 0.0) expected_step = results_.back().online_step_m > 0.0 ? results_.back().online_step_m : 1.0;
+
+  auto measured = measure_road(pair, lead + expected_step, result, frame, road_mask);
+  if (measured) {
+    result.raw_sd = std::sqrt(measured->observation.covariance(2, 2) * options_.ground.filter.formal_variance_factor);
+    measured->observation.lead_m = scaled_ ? lead : 0.0;
+    measured->observation.step_time_s = dt;
+    const double distance = std::exp(measured->observation.log_distance);
+    result.reason = measured->refusal;
+    if (measured->refusal.empty()) {
+      refused_in_a_row_ = 0;
+      mounting_.accept(*result.pitch_rad, *result.roll_rad);
+      if (!scaled_) {
+        take_scale(distance, lead + expected_step);
+        measured->observation.lead_m = lead_of(pair);
+        filter_->start(measured->observation);
+      } else {
+        filter_->update(measured->observation);
+      }
+      expected_step = filter_->state().speed_mps * dt;
+    }
+    // Over the online distance of the pair, so that the raw step is the same share of the online step.
+    result.raw_over_online = distance / (lead_of(pair) + expected_step);
+  }
+  if (!result.reason.empty()) {
+    if (++refused_in_a_row_ % options_.ground.reopen_after == 0) filter_->reopen();
+  }
+  result.scaled = scaled_;
+  bridged_in_a_row_ = 0;
+  last_motion_ = pair.motion.cam2_from_cam1;
+  append(std::move(result), expected_step);
+
+  const RigidTransform& partner_pose = online_poses_[static_cast<std::size_t>(pair.partner->result)];
+  structure_ = triangulate_pair(pair.rays, pair.motion, partner_pose,
+                                (online_poses_.back().translation - partner_pose.translation).norm(),
+                                camera_->focal_px(), kMinStructureParallaxPx);
+  remember_view(frame, static_cast<int>(results_.size()) - 1);
+  clock_.lap("filter and poses");
+  return results_.back();
+}
+
+void PairwiseOdometry::take_scale(double distance_m, double provisional_distance) {
+  const double factor = distance_m / provisional_distance;
+  for (FrameResult& result : results_) {
+    result.online_step_m *= factor;
+    result.scaled = true;
+  }
+  for (RigidTransform& pose : online_poses_) pose.translation *= factor;
+  scaled_ = true;
+}
+
+bool PairwiseOdometry::needs_search() const {
+  return !scaled_ || (refused_in_a_row_ > 0 && refused_in_a_row_ % options_.ground.search_after == 0);
+}
+
+RoadWarp PairwiseOdometry::expected_warp(const Pair& pair, double expected_distance_m) const {
+  RoadWarp warp;
+  warp.cam2_from_cam1 = {pair.motion.cam2_from_cam1.rotation,
+                         expected_distance_m * pair.motion.cam2_from_cam1.translation};
+  warp.road_in_cam1 = {mounting_.mean_normal(), camera_height_m_};
+  if (filter_->started()) {
+    const GroundState state = filter_->state();
+    const Eigen::Vector3d normal = Mounting{state.pitch_rad, state.roll_rad, 0.0}.normal_in_cam();
+    warp.road_in_cam1.normal_in_cam =
+        options_.ground.follow_rotation ? Eigen::Vector3d(warp.cam2_from_cam1.rotation.transpose() * normal) : normal;
+  }
+  return warp;
+}
+
+Result<PlaneMeasurement> PairwiseOdometry::measure_plane(const Pair& pair, const RoadWarp& warp, const Frame& frame) {
+  road_matches_ = road_matcher_.match(pair.partner->road, frame.image, warp, *camera_);
+  clock_.lap("road tracking");
+  auto plane = estimate_plane_(observations_of(road_matches_, camera_, pair.motion), options_.ground.plane, rng_);
+  clock_.lap("plane");
+  return plane;
+}
+
+std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const Pair& pair, double expected_distance_m,
+                                                                         FrameResult& result, const Frame& frame,
+                                                                         const Image& road_mask) {
+  RoadWarp warp = expected_warp(pair, expected_distance_m);
+  const auto region_of = [&](const RoadWarp& expected) {
+    const DrivenPath path = path_of_motion(expected.cam2_from_cam1, expected.road_in_cam1.normal_in_cam,
+                                           mounting_.mounting().forward_in_cam());
+    const Image strip = region_mask(path, expected.road_in_cam1, *camera_, options_.road.region);
+    return strip.empty() ? strip : intersect_masks(intersect_masks(strip, tracking_mask_), road_mask);
+  };
+  Image region = region_of(warp);
+  if (needs_search()) {
+    const WarpSearch found = search_warp(pair.partner->road.image, frame.image, region, pair.motion.cam2_from_cam1,
+                                         warp.road_in_cam1, *camera_, options_.road.search);
+    constexpr double kMinCorrelation = 0.3;
+    if (found.correlation > kMinCorrelation) {
+      warp = found.warp;
+      region = region_of(warp);
+    }
+  }
+  clock_.lap("region");
+  road_matcher_.fill(pair.partner->road, region);
+  clock_.lap("road detection");
+  details_.region = region;
+  details_.reference_image = pair.partner->road.image;
+
+  // Warp, track, refine the plane, and the same again with the better warp (bias and spread halve).
+  Result<PlaneMeasurement> plane = measure_plane(pair, warp, frame);
+  if (plane) {
+    const double distance_m = camera_height_m_ / plane->plane.height;
+    warp.cam2_from_cam1.translation = distance_m * pair.motion.cam2_from_cam1.translation;
+    warp.road_in_cam1 = {plane->plane.normal_in_cam, camera_height_m_};
+    plane = measure_plane(pair, warp, frame);
+  }
+  result.road_matches = static_cast<int>(road_matches_.size());
+  details_.road_matches = road_matches_;
+  details_.road = warp.road_in_cam1;
+  details_.cam_from_reference = warp.cam2_from_cam1;
+  if (!plane) {
+    result.reason = plane.error().message;
+    return std::nullopt;
+  }
+  result.road_inliers = static_cast<int>(plane->inliers.size());
+  details_.road_inliers = plane->inliers;
+
+  const PlaneAngles in_partner = plane_angles(plane->plane.normal_in_cam);
+  result.pitch_rad = in_partner.pitch_rad;
+  result.roll_rad = in_partner.roll_rad;
+  Measured measured;
+  measured.observation = observation_of(plane->plane, plane->covariance_of_m, camera_height_m_);
+  measured.refusal =
+      judge(pair, *plane, measured.observation, expected_distance_m, frame.time_s - results_.back().time_s);
+  if (options_.ground.follow_rotation) {
+    const PlaneAngles now = plane_angles(pair.motion.cam2_from_cam1.rotation * plane->plane.normal_in_cam);
+    measured.observation.pitch_rad = now.pitch_rad;
+    measured.observation.roll_rad = now.roll_rad;
+  }
+  return measured;
+}
+
+std::string PairwiseOdometry::judge(const Pair& pair, const PlaneMeasurement& plane,
+                                    const GroundObservation& observation, double expected_distance_m,
+                                    double step_time_s) const {
+  GateContext context;
+  context.mounting_normal = mounting_.mounting().normal_in_cam();
+  context.mounting_settled = mounting_.settled();
+  context.mean_normal = mounting_.mean_normal();
+  context.filter_started = filter_->started();
+  context.expected_distance_m = expected_distance_m;
+  context.expected_log_sd = filter_->started() ? filter_->state().log_speed_sd : 0.0;
+  context.step_time_s = std::max(kMinStepTimeS, step_time_s);
+  context.pair_time_s = std::max(kMinStepTimeS, step_time_s + results_.back().time_s - pair.partner->time_s);
+  GateCandidate candidate;
+  candidate.initial_plane = plane.initial_plane;
+  candidate.plane = plane.plane;
+  for (const int i : plane.inliers) {
+    const auto ray = camera_->ray(road_matches_[static_cast<std::size_t>(i)].pixel1);
+    if (ray) candidate.inlier_rays.push_back(*ray);
+  }
+  candidate.distance_m = std::exp(observation.log_distance);
+  candidate.log_sd = std::sqrt(options_.ground.filter.formal_variance_factor * observation.covariance(2, 2));
+  return refusal(candidate, context, options_.ground.gates);
+}
+
+void PairwiseOdometry::finish() {
+  const std::vector<GroundState> states = filter_->smoothed();
+  for (std::size_t k = 0; k < results_.size(); ++k) {
+    FrameResult& result = results_[k];
+    result.step_m = result.online_step_m;
+    result.step_sd = result.online_step_sd;
+    if (k == 0 || result.online_step_m <= 0.0 || !(states[k].speed_mps > 0.0) || result.online_step_sd <= 0.0) continue;
+    const double dt = std::max(kMinStepTimeS, result.time_s - results_[k - 1].time_s);
+    result.step_m = states[k].speed_mps * dt;
+    result.step_sd = states[k].log_speed_sd;
+  }
+}
+
+std::vector<RigidTransform> PairwiseOdometry::final_poses() const {
+  std::vector<double> steps;
+  for (const FrameResult& result : results_) steps.push_back(result.step_m);
+  return chain_poses(results_, steps);
+}
+
+}  // namespace groundscale

@@ -1,0 +1,167 @@
+#include "groundscale/odometry/run_writer.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <numbers>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "groundscale/io/trajectory_file.hpp"
+
+namespace groundscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::string_view kFiles[] = {"trajectory.kitti", "trajectory.tum", "online.kitti", "online.tum",
+                                       "frames.csv",       "summary.json",   "config.yaml"};
+
+/// A CSV field; quoted where it holds a comma or a quote.
+std::string csv_text(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c == '\n' ? ' ' : c);
+  return quoted + "\"";
+}
+
+std::string frames_csv(const std::vector<FrameResult>& results) {
+  std::string csv =
+      "frame,time_s,state,step_m,step_sd_m,online_step_m,raw_step_m,raw_step_sd_m,pitch_deg,roll_deg,matches,"
+      "road_matches,road_inliers,reason\n";
+  const auto number = [](bool known, double value) { return known ? fmt::format("{}", value) : std::string(); };
+  bool first = true;
+  for (const FrameResult& r : results) {
+    const bool step = r.scaled && !first;
+    const bool raw = step && r.raw_over_online.has_value();
+    const double raw_step = raw ? *r.raw_over_online * r.online_step_m : 0.0;
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.frame, r.time_s, name_of(r.state),
+                       number(step, r.step_m), number(step && r.step_sd > 0.0, r.step_sd * r.step_m),
+                       number(step, r.online_step_m), number(raw, raw_step), number(raw, r.raw_sd * raw_step),
+                       number(r.pitch_rad.has_value(), r.pitch_rad.value_or(0.0) / kDegree),
+                       number(r.roll_rad.has_value(), r.roll_rad.value_or(0.0) / kDegree), r.matches, r.road_matches,
+                       r.road_inliers, csv_text(r.reason));
+    first = false;
+  }
+  return csv;
+}
+
+std::string summary_json(const RunSummary& s) {
+  nlohmann::ordered_json json;
+  json["version"] = GROUNDSCALE_VERSION;
+  json["source"] = s.source;
+  json["first_frame"] = s.first_frame;
+  json["frames"] = s.frames;
+  json["seed"] = s.seed;
+  json["camera"] = s.camera_from;
+  json["camera_height_m"] = s.camera_height_m;
+  json["camera_height_from"] = s.camera_height_from;
+  json["times_from_source"] = s.has_times;
+  json["mounting"] = {{"pitch_deg", s.mounting.pitch_rad / kDegree},
+                      {"roll_deg", s.mounting.roll_rad / kDegree},
+                      {"yaw_deg", s.mounting.yaw_rad / kDegree}};
+  json["length_m"] = s.length_m;
+  json["states"] = {
+      {"moving", s.moving}, {"still", s.still}, {"rotating", s.rotating}, {"bridged", s.bridged}, {"lost", s.lost}};
+  json["accepted_measurements"] = s.accepted;
+  json["first_scaled_frame"] = nullptr;
+  if (s.first_scaled_frame) json["first_scaled_frame"] = *s.first_scaled_frame;
+  json["warnings"] = s.warnings;
+  json["time"] = {{"wall_s", s.wall_s}, {"median_ms_a_frame", s.median_ms}, {"p95_ms_a_frame", s.p95_ms}};
+  for (const auto& [stage, ms] : s.stage_ms) json["time"]["mean_ms_a_frame"][stage] = ms;
+  // Names of files may hold bytes that are no UTF-8.
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+void add_figures(const PairwiseOdometry& odometry, RunSummary& summary) {
+  summary.frames = static_cast<int>(odometry.results().size());
+  summary.mounting = odometry.mounting();
+  for (const FrameResult& result : odometry.results()) {
+    switch (result.state) {
+      case FrameState::kMoving:
+        ++summary.moving;
+        break;
+      case FrameState::kStill:
+        ++summary.still;
+        break;
+      case FrameState::kRotating:
+        ++summary.rotating;
+        break;
+      case FrameState::kBridged:
+        ++summary.bridged;
+        break;
+      case FrameState::kLost:
+        ++summary.lost;
+        break;
+    }
+    if (result.accepted()) {
+      ++summary.accepted;
+      if (!summary.first_scaled_frame) summary.first_scaled_frame = result.frame;
+    }
+    if (odometry.scaled()) summary.length_m += result.step_m;
+  }
+}
+
+Result<RunWriter> RunWriter::create(const std::string& folder, bool force) {
+  std::error_code error;
+  if (fs::exists(folder, error)) {
+    if (!fs::is_directory(folder, error)) {
+      return Error{ErrorCode::kBadInput, fmt::format("--output {}: is a file, a folder is needed", folder)};
+    }
+    if (!fs::is_empty(folder, error) && !force) {
+      return Error{ErrorCode::kBadInput,
+                   fmt::format("--output {}: exists and isn't empty; --force overwrites it", folder)};
+    }
+  }
+  fs::create_directories(folder, error);
+  if (error) {
+    return Error{ErrorCode::kBadInput, fmt::format("--output {}: can't be made: {}", folder, error.message())};
+  }
+  for (const std::string_view file : kFiles) fs::remove(fs::path(folder) / file, error);
+  auto kitti = LineWriter::create((fs::path(folder) / "online.kitti").string());
+  if (!kitti) return Error{ErrorCode::kBadInput, kitti.error().message};
+  auto tum = LineWriter::create((fs::path(folder) / "online.tum").string());
+  if (!tum) return Error{ErrorCode::kBadInput, tum.error().message};
+  return RunWriter(folder, std::move(*kitti), std::move(*tum));
+}
+
+RunWriter::RunWriter(std::string folder, LineWriter kitti, LineWriter tum)
+    : folder_(std::move(folder)), online_kitti_(std::move(kitti)), online_tum_(std::move(tum)) {}
+
+Result<void> RunWriter::write_online(const PairwiseOdometry& odometry) {
+  return odometry.scaled() ? write_rows(odometry, true) : Result<void>();
+}
+
+Result<void> RunWriter::write_rows(const PairwiseOdometry& odometry, bool scaled) {
+  for (; written_ < odometry.results().size(); ++written_) {
+    RigidTransform pose = odometry.online_poses()[written_];
+    if (!scaled) pose.translation.setZero();
+    if (const auto done = online_kitti_.write(kitti_row(pose)); !done) return done;
+    if (const auto done = online_tum_.write(tum_row(odometry.results()[written_].time_s, pose)); !done) return done;
+  }
+  return {};
+}
+
+Result<void> RunWriter::finish(const PairwiseOdometry& odometry, const RunSummary& summary,
+                               const std::string& config_yaml) {
+  if (const auto done = write_rows(odometry, odometry.scaled()); !done) return done;
+  Trajectory trajectory;
+  trajectory.world_from_cam = odometry.final_poses();
+  for (std::size_t k = 0; k < trajectory.world_from_cam.size(); ++k) {
+    if (!odometry.scaled()) trajectory.world_from_cam[k].translation.setZero();
+    trajectory.times_s.push_back(odometry.results()[k].time_s);
+  }
+  const auto path = [this](std::string_view file) { return (fs::path(folder_) / file).string(); };
+  if (const auto done = write_kitti(path("trajectory.kitti"), trajectory); !done) return done;
+  if (const auto done = write_tum(path("trajectory.tum"), trajectory); !done) return done;
+  if (const auto done = write_text(path("frames.csv"), frames_csv(odometry.results())); !done) return done;
+  if (const auto done = write_text(path("config.yaml"), config_yaml); !done) return done;
+  return write_text(path("summary.json"), summary_json(summary));
+}
+
+}  // namespace groundscale

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "groundscale/camera/mounting.hpp"
+#include "groundscale/core/result.hpp"
+#include "groundscale/io/files.hpp"
+#include "groundscale/odometry/pairwise.hpp"
+
+namespace groundscale {
+
+/// What a run was made of and what came of it, for summary.json and the table at the end.
+struct RunSummary {
+  std::string source;
+  int first_frame = 0;
+  int frames = 0;
+  int seed = 0;
+  double camera_height_m = 0.0;
+  std::string camera_height_from;
+  std::string camera_from;
+  bool has_times = true;
+  Mounting mounting;
+  std::vector<std::string> warnings;
+
+  int moving = 0, still = 0, rotating = 0, bridged = 0, lost = 0;
+  int accepted = 0;  ///< Frames with an accepted measurement.
+  double length_m = 0.0;
+  std::optional<int> first_scaled_frame;
+
+  double wall_s = 0.0;
+  std::vector<std::pair<std::string, double>> stage_ms;  ///< Mean a frame, in the order of the work.
+  double median_ms = 0.0, p95_ms = 0.0;                  ///< Of a frame, decoding included.
+};
+
+/// Counts states, accepted measurements and length.
+void add_figures(const PairwiseOdometry& odometry, RunSummary& summary);
+
+/// The files of a run's folder (docs/formats.md). Online rows are written as the drive goes, the others at its end,
+/// beside and renamed.
+class RunWriter {
+ public:
+  /// Makes the folder. @return kBadInput where it holds something and `force` is not set, or can't be written.
+  static Result<RunWriter> create(const std::string& folder, bool force);
+
+  /// Online rows of all frames that have their scale by now.
+  Result<void> write_online(const PairwiseOdometry& odometry);
+  /// Everything else. A drive whose scale never became known has rows in which the camera stays where it is.
+  Result<void> finish(const PairwiseOdometry& odometry, const RunSummary& summary, const std::string& config_yaml);
+
+ private:
+  RunWriter(std::string folder, LineWriter kitti, LineWriter tum);
+  Result<void> write_rows(const PairwiseOdometry& odometry, bool scaled);
+
+  std::string folder_;
+  LineWriter online_kitti_, online_tum_;
+  std::size_t written_ = 0;
+};
+
+}  // namespace groundscale

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "groundscale/camera/camera.hpp"
+#include "groundscale/motion/two_view.hpp"
+#include "groundscale/odometry/options.hpp"
+#include "groundscale/road/road_matcher.hpp"
+#include "groundscale/tracking/matches.hpp"
+
+namespace groundscale {
+
+/// An earlier frame that later ones may be paired with.
+struct View {
+  int result = 0;  ///< Index into the results.
+  double time_s = 0.0;
+  std::vector<TrackPoint> points;
+  RoadView road;
+};
+
+/// A frame and the earlier one that it is measured against.
+struct Pair {
+  View* partner = nullptr;
+  Matches matches;
+  std::vector<RayPair> rays;
+  TwoViewMotion motion;
+};
+
+/// The latest views, and the choice of a partner among them.
+class Views {
+ public:
+  Views(const PairOptions& options, const MotionOptions& motion) : options_(options), motion_(motion) {}
+
+  bool empty() const { return views_.empty(); }
+  void push(View view);
+  View& latest() { return views_.back(); }
+
+  /// The latest view with `min_parallax_px` to the points; where none has so much, the one with most. The pair's motion
+  /// says `still` where the points have not moved since the latest view.
+  Pair pair_with(const std::vector<TrackPoint>& points, const Camera& camera);
+
+ private:
+  PairOptions options_;
+  MotionOptions motion_;
+  std::deque<View> views_;
+};
+
+}  // namespace groundscale

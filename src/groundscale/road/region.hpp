@@ -1,0 +1,51 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "groundscale/camera/camera.hpp"
+#include "groundscale/core/image.hpp"
+#include "groundscale/core/options.hpp"
+#include "groundscale/geometry/ground_plane.hpp"
+#include "groundscale/geometry/rigid_transform.hpp"
+
+namespace groundscale {
+
+/// Where the road is looked for: a strip along the path that lies ahead, in metres on the road.
+struct RegionOptions {
+  double near_m = 4.0;
+  double far_m = 22.0;
+  double half_width_m = 1.8;
+  double max_turn_deg = 28.6;      ///< The strip ends where the path has turned by so much.
+  std::vector<double> polygon_px;  ///< x, y, x, y, ...: a fixed region of the image instead.
+};
+
+void visit_fields(RegionOptions& options, FieldVisitor& visitor);
+
+/// The arc that a vehicle drives on, as its camera sees it now: direction of travel and curvature.
+struct DrivenPath {
+  Eigen::Vector3d forward_in_cam = Eigen::Vector3d::UnitZ();  ///< Unit tangent along the road at the camera.
+  double curvature_per_m = 0.0;                               ///< > 0 turns right (about the normal that points down).
+};
+
+/// Path ahead of camera 1 from the motion to camera 2: chord and turn of the step in between; for a vehicle that drives
+/// forwards or backwards, `forward_in_cam` always points to where the strip lies (along +forward of the mounting).
+/// @param metric_cam2_from_cam1  Translation in metres.
+DrivenPath path_of_motion(const RigidTransform& metric_cam2_from_cam1, const Eigen::Vector3d& normal_in_cam,
+                          const Eigen::Vector3d& mounting_forward_in_cam);
+
+/// Point of the road at `along_m` of the path's arc and `aside_m` to its right, in the camera.
+Eigen::Vector3d point_on_path(const DrivenPath& path, const GroundPlane& metric_road, double along_m, double aside_m);
+
+/// Mask (255 inside) of the strip about the path, projected through the camera; empty where none of it is in view.
+Image region_mask(const DrivenPath& path, const GroundPlane& metric_road, const Camera& camera,
+                  const RegionOptions& options);
+
+/// a and b, pixel by pixel; an empty mask allows everything.
+Image intersect_masks(const Image& a, const Image& b);
+
+/// Number of pixels that a mask allows.
+int mask_area(const Image& mask);
+
+}  // namespace groundscale

@@ -1,0 +1,32 @@
+#include "groundscale/road/road_matcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace groundscale {
+
+void RoadMatcher::fill(RoadView& view, const Image& region) {
+  if (region.empty()) {
+    view.points.clear();
+    return;
+  }
+  const auto outside = [&region](const TrackPoint& point) {
+    const int x = static_cast<int>(std::lround(point.pixel.x()));
+    const int y = static_cast<int>(std::lround(point.pixel.y()));
+    return x < 0 || y < 0 || x >= region.width() || y >= region.height() || region.at(x, y) == 0;
+  };
+  std::erase_if(view.points, outside);
+  std::vector<Eigen::Vector2d> taken;
+  for (const TrackPoint& point : view.points) taken.push_back(point.pixel);
+  const auto corners = detect_corners(view.image, region, taken, options_.detect);
+  const int missing = options_.max_points - static_cast<int>(view.points.size());
+  const auto count = static_cast<int>(corners.size());
+  const int wanted = std::clamp(missing, 0, count);
+  // Every (n / missing)-th in the grid's order, so that the region stays evenly covered.
+  for (int k = 0; k < wanted; ++k) {
+    const auto index = static_cast<std::size_t>(static_cast<std::int64_t>(k) * count / wanted);
+    view.points.push_back({next_id_++, corners[index]});
+  }
+}
+
+}  // namespace groundscale

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include "groundscale/core/image.hpp"
+#include "groundscale/road/road_tracker.hpp"
+#include "groundscale/tracking/matches.hpp"
+
+namespace groundscale {
+
+/// Road points of one image, under ids of their own.
+struct RoadView {
+  Image image;
+  std::vector<TrackPoint> points;  ///< Ids ascending.
+};
+
+/// Road points with lasting ids: those that came from earlier images stay, and the region is filled up with new ones.
+class RoadMatcher {
+ public:
+  explicit RoadMatcher(const RoadTrackingOptions& options) : options_(options) {}
+
+  /// Leaves out the points beyond the region and detects new ones where it is empty.
+  void fill(RoadView& view, const Image& region);
+
+  /// Follows the points of `first` into `second` through the warp.
+  Matches match(const RoadView& first, const Image& second, const RoadWarp& warp, const Camera& camera) const {
+    return track_on_road(first.image, second, first.points, warp, camera, options_.klt);
+  }
+
+ private:
+  RoadTrackingOptions options_;
+  TrackId next_id_ = 0;
+};
+
+}  // namespace groundscale
