@@ -31,6 +31,7 @@ ScaleFigures scale_figures(const std::vector<Step>& steps, const std::vector<Ste
 
 std::vector<StepValue> estimated_lengths(const std::vector<Step>& steps) {
   std::vector<StepValue> values_m;
+  values_m.reserve(steps.size());
   for (const Step& step : steps) values_m.emplace_back(step.estimated_m);
   return values_m;
 }

@@ -128,9 +128,12 @@ std::string rule_for_turns(const PairedDrive& drive, const StepRules& rules) {
   return fmt::format("true yaw rate of at least {}, mean of {} steps", limit, rules.turn_window);
 }
 
+/// Not so for an empty value and for what overflows or has a logarithm of 0 in it.
+bool is_number(const Figure& figure) { return figure.value && std::isfinite(*figure.value); }
+
 std::string figure_line(const Figure& figure) {
   std::string value = "-";
-  if (figure.value) {
+  if (is_number(figure)) {
     value = figure.sign ? fmt::format("{:+.{}f}", *figure.value, figure.decimals)
                         : fmt::format("{:.{}f}", *figure.value, figure.decimals);
   }
@@ -198,8 +201,7 @@ std::string evaluation_json(const PairingRequest& request, const PairedDrive& dr
   Json& figures = json["figures"];
   for (const FigureGroup& group : figures_of(evaluation)) {
     for (const Figure& figure : group.figures) {
-      const bool known = figure.value && std::isfinite(*figure.value);
-      figures[figure.name] = {{"value", known ? Json(*figure.value) : Json(nullptr)},
+      figures[figure.name] = {{"value", is_number(figure) ? Json(*figure.value) : Json(nullptr)},
                               {"unit", figure.unit},
                               {"count", figure.count},
                               {"of", figure.of}};

@@ -98,6 +98,16 @@ TEST(Figures, APathTooShortForEverySegmentSaysSo) {
               testing::ContainsRegex("t_rel +- % +0 segments +path too short: --lengths"));
 }
 
+TEST(Figures, WhatIsNotFiniteIsADashAndNull) {
+  PairedDrive drive = drive_of_rows(120, true);
+  drive.frames[7].raw_step_m = 0.0;  // its logarithm is minus infinity
+  const Evaluation evaluation = evaluation_of(drive);
+  EXPECT_THAT(evaluation_table({"run", "t", 0, 0}, drive, evaluation),
+              testing::ContainsRegex("raw_rms +- % +119 steps"));
+  const auto json = nlohmann::json::parse(evaluation_json({"run", "t", 0, 0}, drive, evaluation));
+  EXPECT_TRUE(json["figures"]["raw_rms"]["value"].is_null());
+}
+
 TEST(Figures, JsonHoldsTheSameFiguresInFullAndNullWhereThereIsNone) {
   const PairedDrive drive = drive_of_rows(120, true);
   const Evaluation evaluation = evaluation_of(drive);
