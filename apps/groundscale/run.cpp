@@ -21,6 +21,7 @@
 #include "groundscale/io/sequence.hpp"
 #include "groundscale/odometry/pairwise.hpp"
 #include "groundscale/odometry/run_writer.hpp"
+#include "groundscale/report/overlay.hpp"
 
 namespace groundscale {
 namespace {
@@ -31,6 +32,7 @@ struct RunArguments {
   std::string camera_file;
   std::optional<double> camera_height_m;
   std::string config_file;
+  std::string overlay_folder;
   std::vector<std::string> assignments;
   std::optional<int> seed;
   bool force = false;
@@ -121,8 +123,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Result<void> drive(Sequence& sequence, PairwiseOdometry& odometry, RunWriter& writer, const RunArguments& arguments,
-                   RunSummary& summary) {
+Result<void> drive(Sequence& sequence, const Camera& camera, PairwiseOdometry& odometry, RunWriter& writer,
+                   const RunArguments& arguments, RunSummary& summary) {
   Progress progress(!arguments.quiet && isatty(STDERR_FILENO) != 0, sequence.frame_count());
   const auto start = std::chrono::steady_clock::now();
   std::vector<double> frame_ms;
@@ -137,6 +139,9 @@ Result<void> drive(Sequence& sequence, PairwiseOdometry& odometry, RunWriter& wr
     const FrameResult& result = odometry.advance(*frame);
     if (const auto done = writer.write_online(odometry); !done) return done;
     frame_ms.push_back(1e3 * seconds_since(frame_start));
+    if (!arguments.overlay_folder.empty()) {
+      if (const auto done = write_overlay(arguments.overlay_folder, *frame, odometry, camera); !done) return done;
+    }
     metres += result.online_step_m;
     progress.show(static_cast<int>(frame_ms.size()), seconds_since(start),
                   odometry.scaled() ? std::optional(metres) : std::nullopt);
@@ -166,6 +171,14 @@ void print_summary(const RunSummary& s, const std::string& output) {
   fmt::print("trajectory           {}\n", (std::filesystem::path(output) / "trajectory.kitti").string());
 }
 
+Result<void> make_folder(const std::string& folder) {
+  std::error_code error;
+  if (!folder.empty()) std::filesystem::create_directories(folder, error);
+  if (error)
+    return Error{ErrorCode::kBadInput, fmt::format("--overlay {}: can't be made: {}", folder, error.message())};
+  return {};
+}
+
 Result<void> run(const RunArguments& arguments) {
   RunSummary summary;
   auto options = read_options(arguments);
@@ -181,6 +194,7 @@ Result<void> run(const RunArguments& arguments) {
   if (!setup) return setup.error();
   auto odometry = PairwiseOdometry::create(*setup, *options);
   if (!odometry) return odometry.error();
+  if (const auto made = make_folder(arguments.overlay_folder); !made) return made;
   auto writer = RunWriter::create(arguments.output, arguments.force);
   if (!writer) return writer.error();
 
@@ -189,7 +203,7 @@ Result<void> run(const RunArguments& arguments) {
   summary.first_frame = (*sequence)->first_frame();
   summary.has_times = (*sequence)->has_times();
   if (!summary.has_times) summary.warnings.emplace_back("the source has no times: 10 frames a second are assumed");
-  if (const auto done = drive(**sequence, *odometry, *writer, arguments, summary); !done) return done;
+  if (const auto done = drive(**sequence, *setup->camera, *odometry, *writer, arguments, summary); !done) return done;
   for (const std::string& warning : (*sequence)->warnings()) summary.warnings.push_back(warning);
   add_figures(*odometry, summary);
   if (!odometry->scaled())
@@ -213,6 +227,7 @@ void add_run(CLI::App& app, int& exit_status) {
   command->add_option("--image", arguments->sequence.kitti_image, "KITTI's image folder")->check(CLI::Range(0, 3));
   command->add_option("--config", arguments->config_file, "Configuration file");
   command->add_option("--set", arguments->assignments, "KEY=VALUE of the configuration")->expected(1)->take_all();
+  command->add_option("--overlay", arguments->overlay_folder, "Folder for pictures of what was measured in each frame");
   command->add_option("--start", arguments->sequence.start, "First frame")->check(CLI::NonNegativeNumber);
   command->add_option("--frames", arguments->sequence.frames, "At most so many frames")->check(CLI::PositiveNumber);
   command->add_option("--seed", arguments->seed, "Of all random draws")->check(CLI::NonNegativeNumber);

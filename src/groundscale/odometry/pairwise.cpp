@@ -51,6 +51,7 @@ RoadObservations observations_of(const Matches& matches, const CameraPtr& camera
 Result<PairwiseOdometry> PairwiseOdometry::create(const CameraSetup& setup, const OdometryOptions& options) {
   GS_CHECK(setup.camera != nullptr && setup.height_m.has_value(), "a camera and its height");
   if (const auto valid = options.validate(); !valid) return valid.error();
+  use_one_thread();
   PairwiseOdometry odometry(setup, options);
   const Mounting mounting = odometry.mounting_.mounting();
   const GroundPlane road{mounting.normal_in_cam(), *setup.height_m};

@@ -13,4 +13,6 @@ Pyramid::Pyramid(const Image& image, int levels, int window_px) : image_(image) 
   levels_ = std::move(made);
 }
 
+void use_one_thread() { cv::setNumThreads(1); }
+
 }  // namespace groundscale

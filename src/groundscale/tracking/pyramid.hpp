@@ -25,4 +25,7 @@ class Pyramid {
   std::shared_ptr<const Levels> levels_;
 };
 
+/// OpenCV's own threads off: results must not depend on their number. Called by whoever starts a pipeline.
+void use_one_thread();
+
 }  // namespace groundscale
