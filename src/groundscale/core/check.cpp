@@ -7,9 +7,9 @@
 
 namespace groundscale::internal {
 
-void check_failed(std::string_view condition, std::string_view message, const std::source_location& where) {
-  fmt::print(stderr, "{}:{}: {}: {} (condition: {})\n", where.file_name(), where.line(), where.function_name(), message,
-             condition);
+void check_failed(std::string_view condition, std::string_view message, std::string_view file, int line,
+                  std::string_view function) {
+  fmt::print(stderr, "{}:{}: {}: {} (condition: {})\n", file, line, function, message, condition);
   std::abort();
 }
 

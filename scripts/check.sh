@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# Everything that is checked besides the tests of the release build: format, what the files say, include order, warnings,
+# headers that compile alone, clang-tidy, the sanitizers' build with its tests, docs in step with the code.
+# Without arguments all of it; else the steps named: `scripts/check.sh format tidy`.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/steps.sh
+jobs=$(nproc)
+
+sources() { find src apps tests benchmarks examples -name '*.cpp' -o -name '*.hpp' | sort; }
+
+check_format() {
+  sources | xargs clang-format --dry-run --Werror
+}
+
+check_text() { scripts/check_text.py; }
+
+check_includes() {
+  python3 scripts/check_includes_test.py --quiet
+  scripts/check_includes.py
+}
+
+check_warnings() {
+  cmake --preset release >/dev/null
+  cmake --build --preset release --parallel "$jobs"
+  cmake --build --preset release --parallel "$jobs" --target all_verify_interface_header_sets
+}
+
+check_tidy() {
+  cmake --preset tidy >/dev/null
+  scripts/tidy.py build/tidy/compile_commands.json --jobs "$jobs"
+}
+
+check_sanitizers() {
+  local log=build/asan-ubsan/ctest.log
+  cmake --preset asan-ubsan >/dev/null
+  cmake --build --preset asan-ubsan --parallel "$jobs"
+  if ! ctest --preset asan-ubsan --parallel "$jobs" >"$log" 2>&1; then
+    cat "$log"
+    return 1
+  fi
+  echo "with sanitizers: $(grep -E 'tests passed' "$log")"
+}
+
+check_docs() {
+  local program=build/release/apps/groundscale/groundscale
+  if ! diff <($program config --markdown) docs/configuration.md; then
+    echo "docs/configuration.md is not what the code says; renew it: $program config --markdown > docs/configuration.md"
+    return 1
+  fi
+}
+
+steps=("$@")
+[ $# -gt 0 ] || steps=(format text includes warnings docs tidy sanitizers)
+for name in "${steps[@]}"; do
+  step "$name" "check_$name"
+done
