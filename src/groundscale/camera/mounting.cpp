@@ -12,8 +12,8 @@ Eigen::Vector3d Mounting::normal_in_cam() const {
 }
 
 Eigen::Vector3d Mounting::forward_in_cam() const {
-  // The level camera's direction of travel, turned with the smallest rotation that takes down = (0, 1, 0) to the normal:
-  // R = I + [v] + [v]^2 / (1 + c) with v = down x normal, c = down . normal.
+  // The level camera's direction of travel, turned with the smallest rotation that takes down = (0, 1, 0) to the
+  // normal: R = I + [v] + [v]^2 / (1 + c) with v = down x normal, c = down . normal.
   const Eigen::Vector3d level(-std::sin(yaw_rad), 0.0, std::cos(yaw_rad));
   const Eigen::Vector3d normal = normal_in_cam();
   constexpr double kUpsideDown = 1e-12;

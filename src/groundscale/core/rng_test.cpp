@@ -32,8 +32,8 @@ TEST(Rng, UniformAndIndexStayInTheirRangesAndFillThem) {
     sum += u;
     ++seen[rng.index(5)];
   }
-  EXPECT_NEAR(sum / kDraws, 0.5, 5.0 * std::sqrt(1.0 / 12.0 / kDraws));                         // five sigma
-  for (const int count : seen) EXPECT_NEAR(count, kDraws / 5, 5.0 * std::sqrt(kDraws * 0.16));  // five sigma
+  EXPECT_NEAR(sum / kDraws, 0.5, 5.0 * std::sqrt(1.0 / 12.0 / kDraws));                           // five sigma
+  for (const int count : seen) EXPECT_NEAR(count, kDraws / 5.0, 5.0 * std::sqrt(kDraws * 0.16));  // five sigma
 }
 
 TEST(Rng, NormalHasMeanZeroAndVarianceOne) {
