@@ -18,7 +18,7 @@ THIRD_PARTIES = {
     "fmt/": None,
     "opencv2/": {"io", "tracking", "plane", "road"},
     "yaml-cpp/": {"io"},
-    "nlohmann/": {"io"},
+    "nlohmann/": {"io", "evaluation"},
     "opengv/": {"motion", "mapping"},
     "ceres/": {"plane", "mapping"},
     "embree3/": {"simulation"},

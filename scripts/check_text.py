@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 # Folders that exist on every Debian, and names that tests use for what is not there.
-KNOWN_ROOTS = {"bin", "dev", "etc", "nonexistent", "proc", "sys", "usr"}
+KNOWN_ROOTS = {"bin", "dev", "etc", "no", "nonexistent", "proc", "sys", "usr"}
 # Hosts that the docs may link to.
 KNOWN_HOSTS = {
     "arxiv.org",
@@ -18,8 +18,9 @@ KNOWN_HOSTS = {
     "www.conventionalcommits.org",
     "www.cvlibs.net",
 }
-# An absolute path of two parts at least, where one can begin: after a space, a quote, a bracket, = or :.
-PATH = re.compile(r"""(?:^|[\s"'`(\[<=:,])/([A-Za-z_][\w.+-]*)/[\w.]""")
+# An absolute path of two parts at least, where one can begin: after a space, a quote (not one that is joined to what
+# stands before), a bracket, = or :.
+PATH = re.compile(r"""(?:^|[\s'`(\[<=:,]|(?<!\+ )")/([A-Za-z_][\w.+-]*)/[\w.]""")
 HOST = re.compile(r"""\b[a-z][a-z0-9+.-]*://([\w.-]+)""", re.IGNORECASE)
 NOT_OURS = {"LICENSE", ".gitignore"}
 

@@ -62,7 +62,7 @@ TEST(ImageFile, GreyEightBitReadsBackToTheSameBytes) {
 }
 
 TEST(ImageFile, AnUnknownEndingCanNotBeWritten) {
-  const Result<void> written = write_image("/tmp/image.nothing", Image(2, 2));
+  const Result<void> written = write_image(testing::TempDir() + "image.nothing", Image(2, 2));
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().code, ErrorCode::kIo);
 }
