@@ -37,13 +37,13 @@ class EvaluateCommand : public testing::Test {
     return run.err;
   }
 
-  TempFolder folder_;
-  std::string truth_ = folder_.file("truth.txt", straight_rows(250, 1.0));
-  std::string estimate_ = folder_.file("estimate.kitti", straight_rows(230, 1.02));
+  TempFolder folder;
+  std::string truth = folder.file("truth.txt", straight_rows(250, 1.0));
+  std::string estimate = folder.file("estimate.kitti", straight_rows(230, 1.02));
 };
 
 TEST_F(EvaluateCommand, PrintsTheFiguresWorkedOutByHandForAStraightPathTwoPercentTooLong) {
-  const ProgramRun run = run_program({"evaluate", estimate_, "--truth", truth_});
+  const ProgramRun run = run_program({"evaluate", estimate, "--truth", truth});
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_THAT(run.err, IsEmpty());
   EXPECT_THAT(run.out, ContainsRegex("scale_bias +\\+2\\.000 % +229 steps"));
@@ -55,7 +55,7 @@ TEST_F(EvaluateCommand, PrintsTheFiguresWorkedOutByHandForAStraightPathTwoPercen
 
 TEST_F(EvaluateCommand, TakesOffsetSkipAndLengthsBeforeOrAfterTheEstimate) {
   const ProgramRun run = run_program(
-      {"evaluate", "--lengths", "20,50", "--truth-offset", "20", "--skip", "30", estimate_, "--truth", truth_});
+      {"evaluate", "--lengths", "20,50", "--truth-offset", "20", "--skip", "30", estimate, "--truth", truth});
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("rows 50 to 249 of 250"));
   EXPECT_THAT(run.out, ContainsRegex("t_rel_20m +2\\.1000 %"));  // 21 m over 20
@@ -63,24 +63,24 @@ TEST_F(EvaluateCommand, TakesOffsetSkipAndLengthsBeforeOrAfterTheEstimate) {
 }
 
 TEST_F(EvaluateCommand, WritesTheFiguresToAFileAsWell) {
-  const ProgramRun run = run_program({"evaluate", estimate_, "--truth", truth_, "--json", folder_ / "figures.json"});
+  const ProgramRun run = run_program({"evaluate", estimate, "--truth", truth, "--json", folder / "figures.json"});
   EXPECT_EQ(run.status, 0) << run.err;
-  const auto text = read_text(folder_ / "figures.json");
+  const auto text = read_text(folder / "figures.json");
   ASSERT_TRUE(text);
   EXPECT_THAT(*text, ContainsRegex("\"t_rel_100m\": \\{\n *\"value\": 2\\.0"));
 }
 
 TEST_F(EvaluateCommand, ReadsARunsFolderWithItsOwnFrameNumbers) {
-  folder_.file("run/trajectory.kitti", straight_rows(4, 1.0));
-  folder_.file("run/online.kitti", straight_rows(4, 1.1));
-  folder_.file("run/frames.csv",
-               "frame,time_s,state,step_m,step_sd_m,online_step_m,raw_step_m,raw_step_sd_m,pitch_deg,roll_deg,matches,"
-               "road_matches,road_inliers,reason\n"
-               "15,1.5,moving,,,,,,,,,,,\n"
-               "16,1.6,moving,1,0.02,1.1,0.97,0.02,0.5,0.1,300,200,150,\n"
-               "17,1.7,moving,1,0.02,1.1,1.30,0.02,0.5,0.1,300,200,150,normal\n"
-               "18,1.8,moving,1,0.02,1.1,0.97,0.02,0.5,0.1,300,200,150,\n");
-  const ProgramRun run = run_program({"evaluate", folder_ / "run", "--truth", truth_});
+  folder.file("run/trajectory.kitti", straight_rows(4, 1.0));
+  folder.file("run/online.kitti", straight_rows(4, 1.1));
+  folder.file("run/frames.csv",
+              "frame,time_s,state,step_m,step_sd_m,online_step_m,raw_step_m,raw_step_sd_m,pitch_deg,roll_deg,matches,"
+              "road_matches,road_inliers,reason\n"
+              "15,1.5,moving,,,,,,,,,,,\n"
+              "16,1.6,moving,1,0.02,1.1,0.97,0.02,0.5,0.1,300,200,150,\n"
+              "17,1.7,moving,1,0.02,1.1,1.30,0.02,0.5,0.1,300,200,150,normal\n"
+              "18,1.8,moving,1,0.02,1.1,0.97,0.02,0.5,0.1,300,200,150,\n");
+  const ProgramRun run = run_program({"evaluate", folder / "run", "--truth", truth});
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("rows 15 to 18 of 250"));
   EXPECT_THAT(run.out, HasSubstr("3 of 3 steps: true speed above 2 m/s, times from"));
@@ -92,26 +92,26 @@ TEST_F(EvaluateCommand, ReadsARunsFolderWithItsOwnFrameNumbers) {
 }
 
 TEST_F(EvaluateCommand, RefusesWrongUseWithStatusTwo) {
-  EXPECT_THAT(refused({estimate_}), HasSubstr("--truth"));
-  EXPECT_THAT(refused({"--truth", truth_}), HasSubstr("ESTIMATE"));
-  EXPECT_THAT(refused({estimate_, "--truth", truth_, "--nonsense"}), HasSubstr("--nonsense"));
-  EXPECT_THAT(refused({estimate_, "--truth", truth_, "--lengths", "abc"}), HasSubstr("abc"));
-  EXPECT_THAT(refused({estimate_, "--truth", truth_, "--lengths", "100,-5"}), HasSubstr("-5"));
-  EXPECT_THAT(refused({estimate_, "--truth", truth_, "--skip", "-3"}), HasSubstr("-3"));
-  EXPECT_THAT(refused({estimate_, "--truth", truth_, "--json", folder_ / "nowhere/f.json"}), HasSubstr("nowhere"));
+  EXPECT_THAT(refused({estimate}), HasSubstr("--truth"));
+  EXPECT_THAT(refused({"--truth", truth}), HasSubstr("ESTIMATE"));
+  EXPECT_THAT(refused({estimate, "--truth", truth, "--nonsense"}), HasSubstr("--nonsense"));
+  EXPECT_THAT(refused({estimate, "--truth", truth, "--lengths", "abc"}), HasSubstr("abc"));
+  EXPECT_THAT(refused({estimate, "--truth", truth, "--lengths", "100,-5"}), HasSubstr("-5"));
+  EXPECT_THAT(refused({estimate, "--truth", truth, "--skip", "-3"}), HasSubstr("-3"));
+  EXPECT_THAT(refused({estimate, "--truth", truth, "--json", folder / "nowhere/f.json"}), HasSubstr("nowhere"));
 }
 
 TEST_F(EvaluateCommand, RefusesBadInputWithStatusTwoAndBothNumbers) {
-  EXPECT_THAT(refused({estimate_, "--truth", truth_, "--truth-offset", "21"}),
+  EXPECT_THAT(refused({estimate, "--truth", truth, "--truth-offset", "21"}),
               AllOf(HasSubstr("rows 21 to 250"), HasSubstr("250 rows")));
-  EXPECT_THAT(refused({estimate_, "--truth", folder_.file("short.txt", straight_rows(100, 1.0))}),
+  EXPECT_THAT(refused({estimate, "--truth", folder.file("short.txt", straight_rows(100, 1.0))}),
               AllOf(HasSubstr("rows 0 to 229"), HasSubstr("100 rows")));
-  EXPECT_THAT(refused({estimate_, "--truth", folder_.file("still.txt", straight_rows(230, 0.0))}),
+  EXPECT_THAT(refused({estimate, "--truth", folder.file("still.txt", straight_rows(230, 0.0))}),
               HasSubstr("stands still"));
-  EXPECT_THAT(refused({folder_.file("nan.kitti", "1 0 0 0 0 1 0 0 0 0 1 nan\n"), "--truth", truth_}),
+  EXPECT_THAT(refused({folder.file("nan.kitti", "1 0 0 0 0 1 0 0 0 0 1 nan\n"), "--truth", truth}),
               HasSubstr("nan.kitti:1"));
-  EXPECT_THAT(refused({folder_ / "absent", "--truth", truth_}), HasSubstr("absent"));
-  EXPECT_THAT(refused({folder_.path(), "--truth", truth_}), HasSubstr("trajectory.kitti"));
+  EXPECT_THAT(refused({folder / "absent", "--truth", truth}), HasSubstr("absent"));
+  EXPECT_THAT(refused({folder.path(), "--truth", truth}), HasSubstr("trajectory.kitti"));
 }
 
 TEST_F(EvaluateCommand, HelpIsNoError) {
@@ -125,9 +125,9 @@ TEST_F(EvaluateCommand, HelpIsNoError) {
 
 TEST_F(EvaluateCommand, AFullDiskUnderTheResultsIsStatusOne) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  EXPECT_EQ(run_program({"evaluate", estimate_, "--truth", truth_, "--json", "/dev/full/x"}).status, 2);
-  const std::string command = std::string(std::getenv("GROUNDSCALE_PROGRAM")) + " evaluate " + estimate_ + " --truth " +
-                              truth_ + " > /dev/full 2> /dev/null";
+  EXPECT_EQ(run_program({"evaluate", estimate, "--truth", truth, "--json", "/dev/full/x"}).status, 2);
+  const std::string command = std::string(std::getenv("GROUNDSCALE_PROGRAM")) + " evaluate " + estimate + " --truth " +
+                              truth + " > /dev/full 2> /dev/null";
   const int raw = std::system(command.c_str());
   ASSERT_TRUE(WIFEXITED(raw));
   EXPECT_EQ(WEXITSTATUS(raw), 1);

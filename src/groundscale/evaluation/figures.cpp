@@ -137,7 +137,7 @@ std::string figure_line(const Figure& figure) {
     value = figure.sign ? fmt::format("{:+.{}f}", *figure.value, figure.decimals)
                         : fmt::format("{:.{}f}", *figure.value, figure.decimals);
   }
-  std::string line = fmt::format("  {:<29} {:>10} {:<11} {:>6} {:<8}  {}", figure.name, value, figure.unit,
+  std::string line = fmt::format("  {:<33} {:>10} {:<11} {:>6} {:<8}  {}", figure.name, value, figure.unit,
                                  figure.count, figure.of, figure.meaning);
   line.erase(line.find_last_not_of(' ') + 1);
   return line + "\n";

@@ -116,8 +116,8 @@ TEST(KittiErrors, OfKittiTruthStretchedByTwoPercentAreThoseOfAnIndependentProgra
   const struct {
     const char* sequence;
     double t_rel_percent;
-  } kExpected[] = {{"00", 1.233}, {"05", 1.158}, {"07", 1.237}};
-  for (const auto& [sequence, t_rel_percent] : kExpected) {
+  } expected[] = {{"00", 1.233}, {"05", 1.158}, {"07", 1.237}};
+  for (const auto& [sequence, t_rel_percent] : expected) {
     const auto truth = read_trajectory(std::string(folder) + "/full/poses/" + sequence + ".txt");
     ASSERT_TRUE(truth) << truth.error().message;
     const auto errors = kitti_errors(stretched(*truth, 1.02), *truth);

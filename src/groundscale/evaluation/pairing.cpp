@@ -15,7 +15,7 @@ namespace {
 
 using internal::bad_input;
 
-constexpr double kMaxTimeDifference_s = 0.02;  // as in the TUM benchmark's own tools
+constexpr double kMaxTimeDifferenceS = 0.02;  // as in the TUM benchmark's own tools
 
 std::string beside(const std::string& folder, const char* name) {
   return (std::filesystem::path(folder) / name).string();
@@ -128,6 +128,7 @@ Result<std::vector<double>> read_times_beside(const std::string& truth_path, int
 /// Row of the truth for every row of the estimate, by number.
 Result<std::vector<int>> rows_by_number(const Estimate& estimate, const PairingRequest& request, int rows_of_truth) {
   std::vector<int> rows;
+  rows.reserve(static_cast<std::size_t>(estimate.trajectory.size()));
   for (int k = 0; k < estimate.trajectory.size(); ++k) {
     rows.push_back((estimate.frames.empty() ? request.skip + k : estimate.frames[k].frame) + request.truth_offset);
   }
@@ -153,11 +154,11 @@ Result<std::vector<int>> rows_by_time(const std::vector<double>& times_s, const 
       --nearest;
     }
     const std::size_t number = static_cast<std::size_t>(request.skip) + k + 1;
-    if (std::abs(*nearest - times_s[k]) > kMaxTimeDifference_s) {
+    if (std::abs(*nearest - times_s[k]) > kMaxTimeDifferenceS) {
       return bad_input(
           fmt::format("{}: pose {} is at {} s, the nearest of the truth ({}) at {} s: at most {} s apart is "
                       "allowed",
-                      request.estimate, number, times_s[k], request.truth, *nearest, kMaxTimeDifference_s));
+                      request.estimate, number, times_s[k], request.truth, *nearest, kMaxTimeDifferenceS));
     }
     rows.push_back(static_cast<int>(nearest - truth_times_s.begin()));
     if (k > 0 && rows[k] <= rows[k - 1]) {
