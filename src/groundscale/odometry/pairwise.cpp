@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -332,8 +333,9 @@ std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const P
                                                                          const Image& road_mask) {
   RoadWarp warp = expected_warp(pair, expected_distance_m);
   const auto region_of = [&](const RoadWarp& expected) {
-    const DrivenPath path = path_of_motion(expected.cam2_from_cam1, expected.road_in_cam1.normal_in_cam,
+    DrivenPath path = path_of_motion(expected.cam2_from_cam1, expected.road_in_cam1.normal_in_cam,
                                            mounting_.mounting().forward_in_cam());
+    path.max_turn_rad = options_.road.region.max_turn_deg * std::numbers::pi / 180.0;
     const Image strip = region_mask(path, expected.road_in_cam1, *camera_, options_.road.region);
     return strip.empty() ? strip : intersect_masks(intersect_masks(strip, tracking_mask_), road_mask);
   };

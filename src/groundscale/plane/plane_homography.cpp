@@ -2,6 +2,7 @@
 #include <limits>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <fmt/format.h>
 
@@ -10,27 +11,49 @@
 namespace groundscale {
 namespace {
 
-/// H with the smallest sum |ray2 x H ray1|^2, |H| = 1: least eigenvector of the normal equations.
+/// Linear map of rays after which they lie about (0, 0, 1) with a spread of 1 (Hartley 1997, for rays): without it the
+/// few rows of the image that the road takes up leave H badly conditioned.
+Eigen::Matrix3d conditioner(const std::vector<Eigen::Vector3d>& rays) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& ray : rays) mean += ray;
+  const Eigen::Matrix3d to_axis =
+      Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  double squares = 0.0;
+  for (const Eigen::Vector3d& ray : rays) squares += (to_axis * ray).head<2>().squaredNorm();
+  const double spread = std::sqrt(squares / (2.0 * static_cast<double>(rays.size())));
+  constexpr double kMinSpread = 1e-6;
+  const double scale = 1.0 / std::max(kMinSpread, spread);
+  return Eigen::Vector3d(scale, scale, 1.0).asDiagonal() * to_axis;
+}
+
+/// H with the smallest sum |ray2 x H ray1|^2 over conditioned rays: least eigenvector of the normal equations.
 Eigen::Matrix3d fit_homography(const std::vector<Transfer>& transfers, std::span<const int> chosen) {
-  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+  std::vector<Eigen::Vector3d> rays1;
+  std::vector<Eigen::Vector3d> rays2;
   for (const int i : chosen) {
-    const Transfer& transfer = transfers[static_cast<std::size_t>(i)];
-    // |ray2 x v|^2 = v^T (I - ray2 ray2^T) v for a unit ray2, v = H ray1, columns of H stacked.
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - transfer.ray2 * transfer.ray2.transpose();
-    for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < 3; ++b) {
-        normal.block<3, 3>(3 * a, 3 * b) += transfer.ray1(a) * transfer.ray1(b) * across;
+    rays1.push_back(transfers[static_cast<std::size_t>(i)].ray1);
+    rays2.push_back(transfers[static_cast<std::size_t>(i)].ray2);
+  }
+  const Eigen::Matrix3d condition1 = conditioner(rays1);
+  const Eigen::Matrix3d condition2 = conditioner(rays2);
+  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+  for (std::size_t k = 0; k < rays1.size(); ++k) {
+    const Eigen::Vector3d a = condition1 * rays1[k];
+    const Eigen::Vector3d b = (condition2 * rays2[k]).normalized();
+    // |b x v|^2 = v^T (I - b b^T) v for a unit b, v = H a, columns of H stacked.
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - b * b.transpose();
+    for (int column = 0; column < 3; ++column) {
+      for (int row = 0; row < 3; ++row) {
+        normal.block<3, 3>(3 * row, 3 * column) += a(row) * a(column) * across;
       }
     }
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(normal);
-  Eigen::Matrix3d homography = solver.eigenvectors().col(0).reshaped(3, 3);
+  const Eigen::Matrix3d conditioned = solver.eigenvectors().col(0).reshaped(3, 3);
+  Eigen::Matrix3d homography = (condition2.inverse() * conditioned * condition1).normalized();
   // Rays have a sense: points stay in front, so H ray1 points along ray2.
   double sense = 0.0;
-  for (const int i : chosen) {
-    const Transfer& transfer = transfers[static_cast<std::size_t>(i)];
-    sense += transfer.ray2.dot(homography * transfer.ray1);
-  }
+  for (std::size_t k = 0; k < rays1.size(); ++k) sense += rays2[k].dot(homography * rays1[k]);
   if (sense < 0.0) homography = -homography;
   return homography;
 }

@@ -56,6 +56,8 @@ void visit_fields(RegionOptions& options, FieldVisitor& visitor) {
                  .min = 5,
                  .max = 180},
                 options.max_turn_deg);
+  visitor.field({.key = "turn_far_m", .unit = "m", .help = "where the strip ends in a tight turn", .min = 1, .max = 100},
+                options.turn_far_m);
   visitor.field({.key = "polygon_px",
                  .unit = "px",
                  .help = "x, y, x, y, ... of a fixed region of the image, instead of the strip",
@@ -88,24 +90,26 @@ DrivenPath path_of_motion(const RigidTransform& metric_cam2_from_cam1, const Eig
 
 Eigen::Vector3d point_on_path(const DrivenPath& path, const GroundPlane& metric_road, double along_m, double aside_m) {
   const Eigen::Vector3d right = metric_road.normal_in_cam.cross(path.forward_in_cam);
-  const double angle = along_m * path.curvature_per_m;
+  const double curvature = path.curvature_per_m;
+  const double arc_m = curvature == 0.0 ? along_m : std::min(along_m, path.max_turn_rad / std::abs(curvature));
+  const double angle = arc_m * curvature;
   // Arc of radius 1 / curvature; series where it is nearly straight.
-  const double ahead = std::abs(angle) < 1e-6 ? along_m : std::sin(angle) / path.curvature_per_m;
-  const double drift = std::abs(angle) < 1e-6 ? 0.5 * along_m * angle : (1.0 - std::cos(angle)) / path.curvature_per_m;
-  return metric_road.normal_in_cam * metric_road.height + path.forward_in_cam * (ahead - aside_m * std::sin(angle)) +
-         right * (drift + aside_m * std::cos(angle));
+  const bool straight = std::abs(angle) < 1e-6;
+  const double beyond_m = along_m - arc_m;
+  const double ahead = (straight ? arc_m : std::sin(angle) / curvature) + beyond_m * std::cos(angle);
+  const double drift = (straight ? 0.5 * arc_m * angle : (1.0 - std::cos(angle)) / curvature) + beyond_m * std::sin(angle);
+  return metric_road.normal_in_cam * metric_road.height +
+         path.forward_in_cam * (ahead - aside_m * std::sin(angle)) + right * (drift + aside_m * std::cos(angle));
 }
 
 Image region_mask(const DrivenPath& path, const GroundPlane& metric_road, const Camera& camera,
                   const RegionOptions& options) {
   if (!options.polygon_px.empty()) return polygon_mask(options.polygon_px, camera.width(), camera.height());
+  // In a tight turn the road beyond the arc is somebody else's.
   double far_m = options.far_m;
   if (path.curvature_per_m != 0.0) {
-    far_m = std::min(far_m, options.max_turn_deg * kDegree / std::abs(path.curvature_per_m));
+    far_m = std::min(far_m, std::max(options.turn_far_m, path.max_turn_rad / std::abs(path.curvature_per_m)));
   }
-  // In a tight turn the strip still reaches the nearest road that a camera sees.
-  constexpr double kMinLengthM = 6.0;
-  far_m = std::max(far_m, options.near_m + kMinLengthM);
 
   // Quads of half a metre, so that an edge that leaves the camera's field costs no more than its own piece.
   constexpr double kPieceM = 0.5;

@@ -17,7 +17,8 @@ struct RegionOptions {
   double near_m = 4.0;
   double far_m = 22.0;
   double half_width_m = 1.8;
-  double max_turn_deg = 28.6;      ///< The strip ends where the path has turned by so much.
+  double max_turn_deg = 28.6;  ///< Beyond this turn of the path the strip goes straight on,
+  double turn_far_m = 12.0;    ///< and ends here, along the path, or where the turn is reached.
   std::vector<double> polygon_px;  ///< x, y, x, y, ...: a fixed region of the image instead.
 };
 
@@ -27,6 +28,7 @@ void visit_fields(RegionOptions& options, FieldVisitor& visitor);
 struct DrivenPath {
   Eigen::Vector3d forward_in_cam = Eigen::Vector3d::UnitZ();  ///< Unit tangent along the road at the camera.
   double curvature_per_m = 0.0;                               ///< > 0 turns right (about the normal that points down).
+  double max_turn_rad = 0.5;     ///< The arc ends after this turn and the path goes straight on.
 };
 
 /// Path ahead of camera 1 from the motion to camera 2: chord and turn of the step in between; for a vehicle that drives
