@@ -30,8 +30,8 @@ inline ProgramRun run_program(const std::vector<std::string>& arguments) {
     return text + "'";
   };
   std::string command = quoted(program);
-  for (const std::string& argument : arguments) command += " " + quoted(argument);
-  command += " < /dev/null > " + quoted(folder / "out") + " 2> " + quoted(folder / "err");
+  for (const std::string& argument : arguments) command.append(" ").append(quoted(argument));
+  command.append(" < /dev/null > ").append(quoted(folder / "out")).append(" 2> ").append(quoted(folder / "err"));
   const int raw = std::system(command.c_str());
   ProgramRun run;
   run.status = WIFEXITED(raw) ? WEXITSTATUS(raw) : -1;

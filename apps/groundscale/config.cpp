@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "groundscale/io/config.hpp"
+#include "groundscale/io/files.hpp"
+#include "groundscale/odometry/options.hpp"
+
+namespace groundscale {
+namespace {
+
+struct ConfigArguments {
+  std::string config_file;
+  std::vector<std::string> assignments;
+  bool markdown = false;
+};
+
+std::string section_of(const std::string& name) {
+  const std::size_t dot = name.rfind('.');
+  return dot == std::string::npos ? "" : name.substr(0, dot);
+}
+
+/// A '|' would end the cell.
+std::string cell(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
+  return escaped;
+}
+
+/// docs/configuration.md.
+void print_markdown(const std::vector<FieldRow>& rows) {
+  fmt::print(
+      "# Configuration\n\n"
+      "Every key of `groundscale run`, for `--set section.key=value` or a YAML file for `--config`. Made by\n"
+      "`groundscale config --markdown`; a check keeps it in step with the code.\n");
+  std::string section = "-";
+  for (const FieldRow& row : rows) {
+    if (section_of(row.name) != section) {
+      section = section_of(row.name);
+      fmt::print("\n## {}\n\n| key | default | unit | range | what it does |\n|---|---|---|---|---|\n",
+                 section.empty() ? "General" : "`" + section + "`");
+    }
+    fmt::print("| `{}` | `{}` | {} | {} | {} |\n", row.name, cell(row.value), row.unit, cell(row.range),
+               cell(row.help));
+  }
+}
+
+void print_table(const std::vector<FieldRow>& rows) {
+  std::size_t name = 0, value = 0, unit = 0;  // widths
+  for (const FieldRow& row : rows) {
+    name = std::max(name, row.name.size());
+    value = std::max(value, row.value.size());
+    unit = std::max(unit, row.unit.size());
+  }
+  for (const FieldRow& row : rows) {
+    const std::string range = row.range.empty() ? "" : fmt::format(" [{}]", row.range);
+    fmt::print("{:<{}}  {:>{}} {:<{}}  {}{}\n", row.name, name, row.value, value, row.unit, unit, row.help, range);
+  }
+}
+
+Result<void> print_config(const ConfigArguments& arguments) {
+  OdometryOptions options;
+  const VisitOptions visit = [&options](FieldVisitor& visitor) { visit_fields(options, visitor); };
+  if (!arguments.config_file.empty()) {
+    const Result<std::string> text = read_text(arguments.config_file);
+    if (!text) return text.error();
+    if (const auto done = apply_yaml(*text, arguments.config_file, visit); !done) return done;
+  }
+  for (const std::string& assignment : arguments.assignments) {
+    if (const auto done = apply_assignment(assignment, visit); !done) return done;
+  }
+  if (const auto valid = options.validate(); !valid) return valid;
+  const std::vector<FieldRow> rows = field_rows(visit);
+  arguments.markdown ? print_markdown(rows) : print_table(rows);
+  return {};
+}
+
+}  // namespace
+
+void add_config(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("config", "Every key of the configuration: value, unit, range, what it does");
+  const auto arguments = std::make_shared<ConfigArguments>();
+  command->add_flag("--markdown", arguments->markdown, "As docs/configuration.md");
+  command->add_option("--config", arguments->config_file, "Show the values with this file")->option_text("FILE");
+  command->add_option("--set", arguments->assignments, "Show the values with this one set")
+      ->expected(1)
+      ->take_all()
+      ->option_text("KEY=VALUE");
+  command->callback([arguments, &exit_status] {
+    const Result<void> done = print_config(*arguments);
+    exit_status = done ? kDone : report_failure(done.error());
+  });
+}
+
+}  // namespace groundscale
