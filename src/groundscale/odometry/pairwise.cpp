@@ -36,13 +36,22 @@ bool same_image(const Image& a, const Image& b) {
   return difference < count;
 }
 
-RoadObservations observations_of(const Matches& matches, const CameraPtr& camera, const TwoViewMotion& motion) {
+/// Road matches for the plane. Points beside the path count less; with a fixed region nothing is known of a path.
+RoadObservations observations_of(const Matches& matches, const CameraPtr& camera, const TwoViewMotion& motion,
+                                 const DrivenPath& path, const GroundPlane& metric_road, const RegionOptions& options) {
   RoadObservations observations;
   observations.camera = camera;
   observations.cam_from_reference = {RigidTransform{}, motion.cam2_from_cam1};
   observations.motion_covariance = motion.covariance;
   for (const Match& match : matches) {
-    observations.points.push_back({match.id, match.pixel1, {RoadSight{1, match.pixel2}}});
+    RoadPoint point{match.id, match.pixel1, {RoadSight{1, match.pixel2}}};
+    const auto ray = camera->ray(match.pixel1);
+    if (ray && options.polygon_px.empty()) {
+      const double offset = offset_from_path(path, metric_road, *ray) / options.weight_sd_m;
+      constexpr double kMinWeight = 1e-3;
+      point.weight = std::max(kMinWeight, std::exp(-0.5 * offset * offset));
+    }
+    observations.points.push_back(std::move(point));
   }
   return observations;
 }
@@ -320,10 +329,18 @@ RoadWarp PairwiseOdometry::expected_warp(const Pair& pair, double expected_dista
   return warp;
 }
 
-Result<PlaneMeasurement> PairwiseOdometry::measure_plane(const Pair& pair, const RoadWarp& warp, const Frame& frame) {
-  road_matches_ = road_matcher_.match(pair.partner->road, frame.image, warp, *camera_);
+DrivenPath PairwiseOdometry::path_of(const RoadWarp& warp) const {
+  DrivenPath path =
+      path_of_motion(warp.cam2_from_cam1, warp.road_in_cam1.normal_in_cam, mounting_.mounting().forward_in_cam());
+  path.max_turn_rad = options_.road.region.max_turn_deg * std::numbers::pi / 180.0;
+  return path;
+}
+
+Result<PlaneMeasurement> PairwiseOdometry::measure_plane(const Pair& pair, const RoadWarp& warp) {
   clock_.lap("road tracking");
-  auto plane = estimate_plane_(observations_of(road_matches_, camera_, pair.motion), options_.ground.plane, rng_);
+  auto plane = estimate_plane_(
+      observations_of(road_matches_, camera_, pair.motion, path_of(warp), warp.road_in_cam1, options_.road.region),
+      options_.ground.plane, rng_);
   clock_.lap("plane");
   return plane;
 }
@@ -333,10 +350,7 @@ std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const P
                                                                          const Image& road_mask) {
   RoadWarp warp = expected_warp(pair, expected_distance_m);
   const auto region_of = [&](const RoadWarp& expected) {
-    DrivenPath path = path_of_motion(expected.cam2_from_cam1, expected.road_in_cam1.normal_in_cam,
-                                           mounting_.mounting().forward_in_cam());
-    path.max_turn_rad = options_.road.region.max_turn_deg * std::numbers::pi / 180.0;
-    const Image strip = region_mask(path, expected.road_in_cam1, *camera_, options_.road.region);
+    const Image strip = region_mask(path_of(expected), expected.road_in_cam1, *camera_, options_.road.region);
     return strip.empty() ? strip : intersect_masks(intersect_masks(strip, tracking_mask_), road_mask);
   };
   Image region = region_of(warp);
@@ -356,12 +370,14 @@ std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const P
   details_.reference_image = pair.partner->road.image;
 
   // Warp, track, refine the plane, and the same again with the better warp (bias and spread halve).
-  Result<PlaneMeasurement> plane = measure_plane(pair, warp, frame);
+  road_matches_ = road_matcher_.match_roughly(pair.partner->road, frame.image, warp, *camera_);
+  Result<PlaneMeasurement> plane = measure_plane(pair, warp);
   if (plane) {
     const double distance_m = camera_height_m_ / plane->plane.height;
     warp.cam2_from_cam1.translation = distance_m * pair.motion.cam2_from_cam1.translation;
     warp.road_in_cam1 = {plane->plane.normal_in_cam, camera_height_m_};
-    plane = measure_plane(pair, warp, frame);
+    road_matches_ = road_matcher_.match(pair.partner->road, frame.image, warp, *camera_);
+    plane = measure_plane(pair, warp);
   }
   result.road_matches = static_cast<int>(road_matches_.size());
   details_.road_matches = road_matches_;

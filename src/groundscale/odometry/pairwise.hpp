@@ -82,7 +82,8 @@ class PairwiseOdometry {
   double step_from_structure(const Pair& pair, const FrameResult& link, GroundStep& step) const;
   std::optional<Measured> measure_road(const Pair& pair, double expected_distance_m, FrameResult& result,
                                        const Frame& frame, const Image& road_mask);
-  Result<PlaneMeasurement> measure_plane(const Pair& pair, const RoadWarp& warp, const Frame& frame);
+  Result<PlaneMeasurement> measure_plane(const Pair& pair, const RoadWarp& warp);
+  DrivenPath path_of(const RoadWarp& warp) const;
   RoadWarp expected_warp(const Pair& pair, double expected_distance_m) const;
   bool needs_search() const;
   std::string judge(const Pair& pair, const PlaneMeasurement& plane, const GroundObservation& observation,

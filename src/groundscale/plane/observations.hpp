@@ -21,6 +21,7 @@ struct RoadPoint {
   std::int64_t id = 0;
   Eigen::Vector2d pixel_in_reference = Eigen::Vector2d::Zero();
   std::vector<RoadSight> sights;  ///< In other views than the reference.
+  double weight = 1.0;            ///< How much it counts, above 0: points beside the driven path lie lower than it.
 };
 
 /// What any method estimates the plane from. Two views from the pairwise odometry, many from a SLAM system's map; the

@@ -26,7 +26,8 @@ class TransferCost {
     for (const Transfer& transfer : transfers_) {
       const auto error = error_of(m, transfer);
       // A point that leaves the camera's field costs as much as one that is far off.
-      cost += error ? loss_.rho(error->forward.norm()) + loss_.rho(error->backward.norm()) : 2.0 * loss_.rho(kLostPx);
+      cost += transfer.weight *
+              (error ? loss_.rho(error->forward.norm()) + loss_.rho(error->backward.norm()) : 2.0 * loss_.rho(kLostPx));
     }
     return cost;
   }
@@ -36,8 +37,8 @@ class TransferCost {
     for (const Transfer& transfer : transfers_) {
       const auto error = error_of(m, transfer);
       if (!error) continue;
-      add(error->forward, error->forward_by_m, equations);
-      add(error->backward, error->backward_by_m, equations);
+      add(transfer.weight, error->forward, error->forward_by_m, equations);
+      add(transfer.weight, error->backward, error->backward_by_m, equations);
     }
     return equations;
   }
@@ -50,8 +51,9 @@ class TransferCost {
     return transfer_error(*observations_.camera, pose, m, transfer);
   }
 
-  void add(const Eigen::Vector2d& error, const Eigen::Matrix<double, 2, 3>& by_m, NormalEquations& equations) const {
-    const double weight = loss_.weight(error.norm());
+  void add(double point_weight, const Eigen::Vector2d& error, const Eigen::Matrix<double, 2, 3>& by_m,
+           NormalEquations& equations) const {
+    const double weight = point_weight * loss_.weight(error.norm());
     equations.information.noalias() += weight * by_m.transpose() * by_m;
     equations.gradient.noalias() += weight * by_m.transpose() * error;
   }
@@ -128,18 +130,20 @@ Eigen::Matrix3d covariance_of_plane(const RoadObservations& observations, const 
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 5> by_motion = Eigen::Matrix<double, 3, 5>::Zero();
   double squares = 0.0;
+  double weights = 0.0;
   for (const Transfer& transfer : transfers) {
     const RigidTransform& pose = observations.cam_from_reference[static_cast<std::size_t>(transfer.view)];
     const auto error = transfer_error(*observations.camera, pose, m, transfer);
     if (!error) continue;
-    const double weight = loss.weight(error->forward.norm());
+    const double weight = transfer.weight * loss.weight(error->forward.norm());
     information += weight * error->forward_by_m.transpose() * error->forward_by_m;
     squares += weight * error->forward.squaredNorm();
+    weights += transfer.weight;
     if (transfer.view != 1) continue;
     const auto by_view = forward_by_motion(*observations.camera, pose, m, transfer);
     if (by_view) by_motion += weight * error->forward_by_m.transpose() * *by_view;
   }
-  const double degrees_of_freedom = std::max(1.0, 2.0 * static_cast<double>(transfers.size()) - 3.0);
+  const double degrees_of_freedom = std::max(1.0, 2.0 * weights - 3.0);
   const Eigen::Matrix3d unscaled = information.ldlt().solve(Eigen::Matrix3d::Identity());
   const Eigen::Matrix<double, 3, 5> m_by_motion = -unscaled * by_motion;
   return unscaled * (squares / degrees_of_freedom) +

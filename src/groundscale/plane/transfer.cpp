@@ -14,7 +14,8 @@ std::vector<Transfer> transfers_of(const RoadObservations& observations) {
     for (const RoadSight& sight : point.sights) {
       const auto ray2 = observations.camera->ray(sight.pixel);
       if (!ray2) continue;
-      transfers.push_back({static_cast<int>(i), sight.view, point.pixel_in_reference, sight.pixel, *ray1, *ray2});
+      transfers.push_back(
+          {static_cast<int>(i), sight.view, point.pixel_in_reference, sight.pixel, *ray1, *ray2, point.weight});
     }
   }
   return transfers;

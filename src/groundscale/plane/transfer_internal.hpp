@@ -15,6 +15,7 @@ struct Transfer {
   int view = 0;
   Eigen::Vector2d pixel1, pixel2;
   Eigen::Vector3d ray1, ray2;
+  double weight = 1.0;
 };
 
 /// All sights as transfers; points outside the camera's valid field are left out.

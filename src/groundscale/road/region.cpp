@@ -56,8 +56,15 @@ void visit_fields(RegionOptions& options, FieldVisitor& visitor) {
                  .min = 5,
                  .max = 180},
                 options.max_turn_deg);
-  visitor.field({.key = "turn_far_m", .unit = "m", .help = "where the strip ends in a tight turn", .min = 1, .max = 100},
-                options.turn_far_m);
+  visitor.field(
+      {.key = "turn_far_m", .unit = "m", .help = "where the strip ends in a tight turn", .min = 1, .max = 100},
+      options.turn_far_m);
+  visitor.field({.key = "weight_sd_m",
+                 .unit = "m",
+                 .help = "road points count less the farther they lie from the path (roads fall off to their sides)",
+                 .min = 0.1,
+                 .max = 100},
+                options.weight_sd_m);
   visitor.field({.key = "polygon_px",
                  .unit = "px",
                  .help = "x, y, x, y, ... of a fixed region of the image, instead of the strip",
@@ -97,9 +104,27 @@ Eigen::Vector3d point_on_path(const DrivenPath& path, const GroundPlane& metric_
   const bool straight = std::abs(angle) < 1e-6;
   const double beyond_m = along_m - arc_m;
   const double ahead = (straight ? arc_m : std::sin(angle) / curvature) + beyond_m * std::cos(angle);
-  const double drift = (straight ? 0.5 * arc_m * angle : (1.0 - std::cos(angle)) / curvature) + beyond_m * std::sin(angle);
-  return metric_road.normal_in_cam * metric_road.height +
-         path.forward_in_cam * (ahead - aside_m * std::sin(angle)) + right * (drift + aside_m * std::cos(angle));
+  const double drift =
+      (straight ? 0.5 * arc_m * angle : (1.0 - std::cos(angle)) / curvature) + beyond_m * std::sin(angle);
+  return metric_road.normal_in_cam * metric_road.height + path.forward_in_cam * (ahead - aside_m * std::sin(angle)) +
+         right * (drift + aside_m * std::cos(angle));
+}
+
+double offset_from_path(const DrivenPath& path, const GroundPlane& metric_road, const Eigen::Vector3d& ray) {
+  const Eigen::Vector3d point = ray * (metric_road.height / metric_road.normal_in_cam.dot(ray));
+  const double ahead = point.dot(path.forward_in_cam);
+  const double aside = point.dot(metric_road.normal_in_cam.cross(path.forward_in_cam));
+  const double curvature = path.curvature_per_m;
+  constexpr double kMinCurvature = 1e-6;
+  if (std::abs(curvature) < kMinCurvature) return aside;
+  // Beyond the end of the arc: from the straight line that goes on there.
+  const double angle = std::copysign(path.max_turn_rad, curvature);
+  const double end_ahead = std::sin(angle) / curvature;
+  const double end_aside = (1.0 - std::cos(angle)) / curvature;
+  const double beyond = (ahead - end_ahead) * std::cos(angle) + (aside - end_aside) * std::sin(angle);
+  if (beyond > 0.0) return (aside - end_aside) * std::cos(angle) - (ahead - end_ahead) * std::sin(angle);
+  const double radius = 1.0 / curvature;
+  return radius - std::copysign(std::hypot(ahead, radius - aside), radius);
 }
 
 Image region_mask(const DrivenPath& path, const GroundPlane& metric_road, const Camera& camera,

@@ -19,6 +19,7 @@ struct RegionOptions {
   double half_width_m = 1.8;
   double max_turn_deg = 28.6;  ///< Beyond this turn of the path the strip goes straight on,
   double turn_far_m = 12.0;    ///< and ends here, along the path, or where the turn is reached.
+  double weight_sd_m = 1.0;    ///< Points count by exp(-u^2 / 2 sd^2), u from the path: roads fall off to their sides.
   std::vector<double> polygon_px;  ///< x, y, x, y, ...: a fixed region of the image instead.
 };
 
@@ -28,7 +29,7 @@ void visit_fields(RegionOptions& options, FieldVisitor& visitor);
 struct DrivenPath {
   Eigen::Vector3d forward_in_cam = Eigen::Vector3d::UnitZ();  ///< Unit tangent along the road at the camera.
   double curvature_per_m = 0.0;                               ///< > 0 turns right (about the normal that points down).
-  double max_turn_rad = 0.5;     ///< The arc ends after this turn and the path goes straight on.
+  double max_turn_rad = 0.5;  ///< The arc ends after this turn and the path goes straight on.
 };
 
 /// Path ahead of camera 1 from the motion to camera 2: chord and turn of the step in between; for a vehicle that drives
@@ -39,6 +40,10 @@ DrivenPath path_of_motion(const RigidTransform& metric_cam2_from_cam1, const Eig
 
 /// Point of the road at `along_m` of the path's arc and `aside_m` to its right, in the camera.
 Eigen::Vector3d point_on_path(const DrivenPath& path, const GroundPlane& metric_road, double along_m, double aside_m);
+
+/// Distance of a point of the road from the path, in metres, positive to its right; the inverse of point_on_path.
+/// @param ray  Towards the point, of any length, in the camera.
+double offset_from_path(const DrivenPath& path, const GroundPlane& metric_road, const Eigen::Vector3d& ray);
 
 /// Mask (255 inside) of the strip about the path, projected through the camera; empty where none of it is in view.
 Image region_mask(const DrivenPath& path, const GroundPlane& metric_road, const Camera& camera,

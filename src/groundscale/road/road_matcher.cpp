@@ -29,4 +29,19 @@ void RoadMatcher::fill(RoadView& view, const Image& region) {
   }
 }
 
+Matches RoadMatcher::match_roughly(const RoadView& first, const Image& second, const RoadWarp& warp,
+                                   const Camera& camera) const {
+  std::vector<TrackPoint> some;
+  const std::size_t stride = 1 + first.points.size() / static_cast<std::size_t>(options_.rough_points);
+  for (std::size_t i = 0; i < first.points.size(); i += stride) some.push_back(first.points[i]);
+  return track_on_road(first.image, second, some, warp, camera, options_.klt);
+}
+
+Matches RoadMatcher::match(const RoadView& first, const Image& second, const RoadWarp& warp,
+                           const Camera& camera) const {
+  KltOptions fine = options_.klt;
+  fine.levels = options_.fine_levels;
+  return track_on_road(first.image, second, first.points, warp, camera, fine);
+}
+
 }  // namespace groundscale

@@ -22,10 +22,11 @@ class RoadMatcher {
   /// Leaves out the points beyond the region and detects new ones where it is empty.
   void fill(RoadView& view, const Image& region);
 
-  /// Follows the points of `first` into `second` through the warp.
-  Matches match(const RoadView& first, const Image& second, const RoadWarp& warp, const Camera& camera) const {
-    return track_on_road(first.image, second, first.points, warp, camera, options_.klt);
-  }
+  /// Follows some of the points of `first` into `second` through a warp that may be off by some pixels: enough to find
+  /// a better one.
+  Matches match_roughly(const RoadView& first, const Image& second, const RoadWarp& warp, const Camera& camera) const;
+  /// Follows all of them through a warp that is right to about a pixel.
+  Matches match(const RoadView& first, const Image& second, const RoadWarp& warp, const Camera& camera) const;
 
  private:
   RoadTrackingOptions options_;

@@ -162,6 +162,18 @@ class RegionCorrelation {
 void visit_fields(RoadTrackingOptions& options, FieldVisitor& visitor) {
   visitor.field({.key = "max_points", .unit = "", .help = "road points a frame", .min = 30, .max = 20000},
                 options.max_points);
+  visitor.field({.key = "rough_points",
+                 .unit = "",
+                 .help = "road points followed through the predicted warp, to find a better one",
+                 .min = 30,
+                 .max = 20000},
+                options.rough_points);
+  visitor.field({.key = "fine_levels",
+                 .unit = "",
+                 .help = "halvings of the image when all road points are followed through the better warp",
+                 .min = 0,
+                 .max = 5},
+                options.fine_levels);
   visitor.field({.key = "cell_px",
                  .unit = "px",
                  .help = "one new road point at most in each cell of this size",
@@ -187,7 +199,7 @@ void visit_fields(RoadTrackingOptions& options, FieldVisitor& visitor) {
 Matches track_on_road(const Image& first, const Image& second, const std::vector<TrackPoint>& points,
                       const RoadWarp& warp, const Camera& camera, const KltOptions& options) {
   if (points.empty()) return {};
-  const cv::Rect area = area_of(points, first, options.window_px << std::min(options.levels, 2));
+  const cv::Rect area = area_of(points, first, 2 * options.window_px);
   const WarpField field(area, warp, camera);
   const Pyramid before(crop(first, area), options.levels, options.window_px);
   const Pyramid after(field.warp(second), options.levels, options.window_px);

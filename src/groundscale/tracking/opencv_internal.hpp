@@ -11,7 +11,7 @@
 namespace groundscale {
 
 struct Pyramid::Levels {
-  std::vector<cv::Mat> images;  ///< As cv::buildOpticalFlowPyramid makes them, without derivatives.
+  std::vector<cv::Mat> images;  ///< As cv::buildOpticalFlowPyramid makes them, each with its derivatives.
 };
 
 /// The pixels of an image without a copy. OpenCV has no read-only matrix: nobody may write to it.

@@ -8,7 +8,7 @@ namespace groundscale {
 
 Pyramid::Pyramid(const Image& image, int levels, int window_px) : image_(image) {
   auto made = std::make_shared<Levels>();
-  cv::buildOpticalFlowPyramid(view_of(image), made->images, {window_px, window_px}, levels, /*withDerivatives=*/false,
+  cv::buildOpticalFlowPyramid(view_of(image), made->images, {window_px, window_px}, levels, /*withDerivatives=*/true,
                               cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, /*tryReuseInputImage=*/false);
   levels_ = std::move(made);
 }

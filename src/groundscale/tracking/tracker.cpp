@@ -40,27 +40,48 @@ void visit_fields(TrackingOptions& options, FieldVisitor& visitor) {
                 options.klt.max_round_trip_px);
 }
 
-void Tracker::advance(const Pyramid& next, const Image& mask, const PixelPrediction& prediction) {
-  follow(next, mask, prediction);
+void Tracker::advance(const Pyramid& next, const Image& mask) {
+  follow(next, mask);
   replenish(next, mask);
   last_ = next;
 }
 
-void Tracker::follow(const Pyramid& next, const Image& mask, const PixelPrediction& prediction) {
+/// Points with a history go on as they went, which few levels of the pyramid can correct; new ones need all of them,
+/// and start where they are.
+std::vector<std::optional<Eigen::Vector2d>> Tracker::track(const Pyramid& next) const {
+  constexpr int kLevelsWithHistory = 2;
+  KltOptions few = options_.klt;
+  few.levels = std::min(few.levels, kLevelsWithHistory);
+  std::vector<std::optional<Eigen::Vector2d>> found(points_.size());
+  for (const bool old : {true, false}) {
+    std::vector<Eigen::Vector2d> starts;
+    std::vector<Eigen::Vector2d> guesses;
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (steps_[i].has_value() != old) continue;
+      which.push_back(i);
+      starts.push_back(points_[i].pixel);
+      guesses.push_back(points_[i].pixel + steps_[i].value_or(Eigen::Vector2d::Zero()));
+    }
+    const auto part = track_points(last_, next, starts, guesses, old ? few : options_.klt);
+    for (std::size_t k = 0; k < which.size(); ++k) found[which[k]] = part[k];
+  }
+  return found;
+}
+
+void Tracker::follow(const Pyramid& next, const Image& mask) {
   followed_ = 0;
   if (last_.empty() || points_.empty()) return;
-  std::vector<Eigen::Vector2d> starts;
-  std::vector<Eigen::Vector2d> guesses;
-  for (const TrackPoint& point : points_) {
-    starts.push_back(point.pixel);
-    guesses.push_back(prediction ? prediction(point.pixel) : point.pixel);
-  }
-  const auto found = track_points(last_, next, starts, guesses, options_.klt);
+  const auto found = track(next);
   std::vector<TrackPoint> kept;
+  std::vector<std::optional<Eigen::Vector2d>> steps;
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    if (found[i] && allowed(mask, *found[i])) kept.push_back({points_[i].id, *found[i]});
+    if (!found[i] || !allowed(mask, *found[i])) continue;
+    kept.push_back({points_[i].id, *found[i]});
+    steps.emplace_back(*found[i] - points_[i].pixel);
   }
   points_ = std::move(kept);
+  steps_ = std::move(steps);
   followed_ = static_cast<int>(points_.size());
 }
 
@@ -76,6 +97,7 @@ void Tracker::replenish(const Pyramid& frame, const Image& mask) {
   for (int k = 0; k < wanted; ++k) {
     const auto index = static_cast<std::size_t>(static_cast<std::int64_t>(k) * count / wanted);
     points_.push_back({next_id_++, corners[index]});
+    steps_.emplace_back();
   }
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <deque>
-#include <functional>
+#include <optional>
 #include <vector>
 
 #include "groundscale/core/options.hpp"
@@ -20,9 +19,6 @@ struct TrackingOptions {
 
 void visit_fields(TrackingOptions& options, FieldVisitor& visitor);
 
-/// Where a point of the last frame is expected in the next one.
-using PixelPrediction = std::function<Eigen::Vector2d(const Eigen::Vector2d& pixel)>;
-
 /// Points followed from frame to frame over the whole image, each under an id of its own that never comes again.
 class Tracker {
  public:
@@ -30,8 +26,7 @@ class Tracker {
 
   /// Follows the tracks into the next frame and starts new ones where they have thinned out.
   /// @param mask  Where points are wanted (not 0); empty: everywhere.
-  /// @param prediction  Empty: points are expected where they were.
-  void advance(const Pyramid& next, const Image& mask, const PixelPrediction& prediction = {});
+  void advance(const Pyramid& next, const Image& mask);
 
   /// All tracks of the present frame, ids ascending.
   const std::vector<TrackPoint>& points() const { return points_; }
@@ -39,12 +34,14 @@ class Tracker {
   int followed() const { return followed_; }
 
  private:
-  void follow(const Pyramid& next, const Image& mask, const PixelPrediction& prediction);
+  void follow(const Pyramid& next, const Image& mask);
+  std::vector<std::optional<Eigen::Vector2d>> track(const Pyramid& next) const;
   void replenish(const Pyramid& frame, const Image& mask);
 
   TrackingOptions options_;
   Pyramid last_;
   std::vector<TrackPoint> points_;
+  std::vector<std::optional<Eigen::Vector2d>> steps_;  ///< Of each point into the present frame; nothing for new ones.
   int followed_ = 0;
   TrackId next_id_ = 0;
 };
