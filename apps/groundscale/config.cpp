@@ -69,12 +69,12 @@ Result<void> print_config(const ConfigArguments& arguments) {
   if (!arguments.config_file.empty()) {
     const Result<std::string> text = read_text(arguments.config_file);
     if (!text) return text.error();
-    if (const auto done = apply_yaml(*text, arguments.config_file, visit); !done) return done;
+    if (Result<void> done = apply_yaml(*text, arguments.config_file, visit); !done) return done;
   }
   for (const std::string& assignment : arguments.assignments) {
-    if (const auto done = apply_assignment(assignment, visit); !done) return done;
+    if (Result<void> done = apply_assignment(assignment, visit); !done) return done;
   }
-  if (const auto valid = options.validate(); !valid) return valid;
+  if (Result<void> valid = options.validate(); !valid) return valid;
   const std::vector<FieldRow> rows = field_rows(visit);
   arguments.markdown ? print_markdown(rows) : print_table(rows);
   return {};

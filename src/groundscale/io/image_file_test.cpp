@@ -87,16 +87,18 @@ TEST(ImageDecoder, SixteenBitUsesOneFactorFromTheFirstImagesBits) {
     int full;
   };
   for (const Case& c : {Case{200, 255}, Case{1000, 1023}, Case{3000, 4095}, Case{10000, 16383}, Case{50000, 65535}}) {
-    cv::Mat first(2, 2, CV_16U, cv::Scalar(c.highest / 2));
+    const int half = c.highest / 2;
+    const int tenth = c.highest / 10;
+    cv::Mat first(2, 2, CV_16U, cv::Scalar(half));
     first.at<std::uint16_t>(0, 0) = static_cast<std::uint16_t>(c.highest);
     ImageDecoder decoder;
     const Result<Image> image = decoder.decode(encoded(".png", first));
     ASSERT_TRUE(image);
     EXPECT_NEAR(image->at(0, 0), 255.0 * c.highest / c.full, 0.5);
-    EXPECT_NEAR(image->at(1, 0), 255.0 * (c.highest / 2) / c.full, 0.5);
+    EXPECT_NEAR(image->at(1, 0), 255.0 * half / c.full, 0.5);
     // A darker and a brighter image later: the same factor, and white where it is too bright.
-    const Result<Image> dark = decoder.decode(encoded(".png", cv::Mat(2, 2, CV_16U, cv::Scalar(c.highest / 10))));
-    EXPECT_NEAR(dark->at(0, 0), 255.0 * (c.highest / 10) / c.full, 0.5);
+    const Result<Image> dark = decoder.decode(encoded(".png", cv::Mat(2, 2, CV_16U, cv::Scalar(tenth))));
+    EXPECT_NEAR(dark->at(0, 0), 255.0 * tenth / c.full, 0.5);
     const Result<Image> bright = decoder.decode(encoded(".png", cv::Mat(2, 2, CV_16U, cv::Scalar(65535))));
     EXPECT_EQ(bright->at(0, 0), 255);
   }

@@ -55,7 +55,7 @@ struct Parser {
   std::function<std::string(const std::string& text)> parse;
 };
 
-void PrintTo(const Parser& parser, std::ostream* stream) { *stream << parser.name; }
+std::ostream& operator<<(std::ostream& stream, const Parser& parser) { return stream << parser.name; }
 
 std::string message_of(const Error& error) {
   if (error.code != ErrorCode::kBadInput) return "!not kBadInput: " + error.message;

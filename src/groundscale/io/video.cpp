@@ -70,7 +70,7 @@ class Video final : public Sequence {
     if (!declared) return declared.error();
     const Result<int> count = frames_to_read(request, *declared);
     if (!count) return count.error();
-    std::unique_ptr<Video> video(new Video(request, std::move(*capture), *declared));
+    std::unique_ptr<Video> video(new Video(request, *capture, *declared));
     video->count_ = *count;
     if (Result<void> first = video->read_first(); !first) return first.error();
     return std::unique_ptr<Sequence>(std::move(video));
@@ -94,9 +94,9 @@ class Video final : public Sequence {
   bool has_times() const override { return true; }
 
  private:
-  Video(SequenceRequest request, cv::VideoCapture capture, int declared)
+  Video(SequenceRequest request, const cv::VideoCapture& capture, int declared)
       : request_(std::move(request)),
-        capture_(std::move(capture)),
+        capture_(capture),  // shares the decoder
         declared_(declared),
         quarter_turns_(quarter_turns_clockwise(capture_)),
         times_(capture_.get(cv::CAP_PROP_FPS)) {}
