@@ -370,15 +370,16 @@ std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const P
   details_.reference_image = pair.partner->road.image;
 
   // Warp, track, refine the plane, and the same again with the better warp (bias and spread halve).
-  road_matches_ = road_matcher_.match_roughly(pair.partner->road, frame.image, warp, *camera_);
+  const RoadView& partner = pair.partner->road;
+  road_matches_ = road_matcher_.match_roughly(partner, frame.image, warp, *camera_);
   Result<PlaneMeasurement> plane = measure_plane(pair, warp);
   if (plane) {
     const double distance_m = camera_height_m_ / plane->plane.height;
     warp.cam2_from_cam1.translation = distance_m * pair.motion.cam2_from_cam1.translation;
     warp.road_in_cam1 = {plane->plane.normal_in_cam, camera_height_m_};
-    road_matches_ = road_matcher_.match(pair.partner->road, frame.image, warp, *camera_);
-    plane = measure_plane(pair, warp);
   }
+  road_matches_ = road_matcher_.match(partner, frame.image, warp, plane.has_value(), *camera_);
+  plane = measure_plane(pair, warp);
   result.road_matches = static_cast<int>(road_matches_.size());
   details_.road_matches = road_matches_;
   details_.road = warp.road_in_cam1;

@@ -128,6 +128,7 @@ Eigen::Matrix3d covariance_of_plane(const RoadObservations& observations, const 
                                     const Eigen::Vector3d& m, const PlaneOptions& options) {
   const HuberLoss loss{options.huber_px};
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 5> by_motion = Eigen::Matrix<double, 3, 5>::Zero();
   double squares = 0.0;
   double weights = 0.0;
@@ -136,17 +137,22 @@ Eigen::Matrix3d covariance_of_plane(const RoadObservations& observations, const 
     const auto error = transfer_error(*observations.camera, pose, m, transfer);
     if (!error) continue;
     const double weight = transfer.weight * loss.weight(error->forward.norm());
-    information += weight * error->forward_by_m.transpose() * error->forward_by_m;
+    const Eigen::Matrix3d squared = error->forward_by_m.transpose() * error->forward_by_m;
+    information += weight * squared;
+    spread += weight * transfer.weight * squared;
     squares += weight * error->forward.squaredNorm();
     weights += transfer.weight;
     if (transfer.view != 1) continue;
     const auto by_view = forward_by_motion(*observations.camera, pose, m, transfer);
     if (by_view) by_motion += weight * error->forward_by_m.transpose() * *by_view;
   }
-  const double degrees_of_freedom = std::max(1.0, 2.0 * weights - 3.0);
-  const Eigen::Matrix3d unscaled = information.ldlt().solve(Eigen::Matrix3d::Identity());
-  const Eigen::Matrix<double, 3, 5> m_by_motion = -unscaled * by_motion;
-  return unscaled * (squares / degrees_of_freedom) +
+  // Of two coordinates a transfer, three parameters. A point's weight says how much it counts, not how precise it is, so
+  // the covariance is A^-1 B A^-1 with B = sum w^2 J^T J.
+  const auto count = static_cast<double>(transfers.size());
+  const double variance = squares / std::max(1e-12, 2.0 * weights) * (2.0 * count / std::max(1.0, 2.0 * count - 3.0));
+  const Eigen::Matrix3d inverse = information.ldlt().solve(Eigen::Matrix3d::Identity());
+  const Eigen::Matrix<double, 3, 5> m_by_motion = -inverse * by_motion;
+  return variance * inverse * spread * inverse +
          m_by_motion * observations.motion_covariance * m_by_motion.transpose();
 }
 

@@ -37,11 +37,11 @@ Matches RoadMatcher::match_roughly(const RoadView& first, const Image& second, c
   return track_on_road(first.image, second, some, warp, camera, options_.klt);
 }
 
-Matches RoadMatcher::match(const RoadView& first, const Image& second, const RoadWarp& warp,
+Matches RoadMatcher::match(const RoadView& first, const Image& second, const RoadWarp& warp, bool fine,
                            const Camera& camera) const {
-  KltOptions fine = options_.klt;
-  fine.levels = options_.fine_levels;
-  return track_on_road(first.image, second, first.points, warp, camera, fine);
+  KltOptions klt = options_.klt;
+  if (fine) klt.levels = options_.fine_levels;
+  return track_on_road(first.image, second, first.points, warp, camera, klt);
 }
 
 }  // namespace groundscale

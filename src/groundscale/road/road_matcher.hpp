@@ -25,8 +25,8 @@ class RoadMatcher {
   /// Follows some of the points of `first` into `second` through a warp that may be off by some pixels: enough to find
   /// a better one.
   Matches match_roughly(const RoadView& first, const Image& second, const RoadWarp& warp, const Camera& camera) const;
-  /// Follows all of them through a warp that is right to about a pixel.
-  Matches match(const RoadView& first, const Image& second, const RoadWarp& warp, const Camera& camera) const;
+  /// Follows all of them; `fine` where the warp is right to about a pixel.
+  Matches match(const RoadView& first, const Image& second, const RoadWarp& warp, bool fine, const Camera& camera) const;
 
  private:
   RoadTrackingOptions options_;
