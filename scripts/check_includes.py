@@ -16,9 +16,9 @@ import sys
 THIRD_PARTIES = {
     "Eigen/": None,
     "fmt/": None,
-    "opencv2/": {"io", "tracking", "plane", "road"},
+    "opencv2/": {"io", "tracking", "plane", "road", "report"},
     "yaml-cpp/": {"io"},
-    "nlohmann/": {"io", "evaluation"},
+    "nlohmann/": {"io", "odometry", "evaluation"},
     "opengv/": {"motion", "mapping"},
     "ceres/": {"plane", "mapping"},
     "embree3/": {"simulation"},
