@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "groundscale/io/bytes_internal.hpp"
 #include "groundscale/io/text_internal.hpp"
 
 namespace groundscale {
@@ -20,21 +21,34 @@ Error io_error(std::string_view what, const std::string& path) {
 }  // namespace
 
 Result<std::string> read_text(const std::string& path) {
+  std::string text;
+  if (Result<void> read = internal::read_bytes(path, &text); !read) return read.error();
+  return text;
+}
+
+Result<void> internal::read_bytes(const std::string& path, std::string* bytes) {
   constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
   constexpr std::size_t kBlock = std::size_t{1} << 16;
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) return internal::bad_input(path + ": is a folder, not a file");
   errno = 0;
-  std::ifstream stream(path, std::ios::binary);
+  std::ifstream stream;
+  stream.rdbuf()->pubsetbuf(nullptr, 0);  // straight into `bytes`
+  stream.open(path, std::ios::binary);
   if (!stream) return internal::bad_input(fmt::format("{}: can't be opened: {}", path, system_reason()));
-  std::string text;
-  std::string block(kBlock, '\0');
-  while (stream.read(block.data(), kBlock) || stream.gcount() > 0) {
-    text.append(block, 0, static_cast<std::size_t>(stream.gcount()));
-    if (text.size() > kMaxBytes) return internal::bad_input(path + ": more than 1 GiB, this is no text file");
+  // As long as the file says, then what more there is: not every file knows its length.
+  const std::uintmax_t expected = std::filesystem::file_size(path, ignored);
+  std::size_t filled = 0;
+  for (std::size_t block = ignored || expected > kMaxBytes ? kBlock : expected + 1;; block = kBlock) {
+    if (bytes->size() < filled + block) bytes->resize(filled + block);
+    stream.read(bytes->data() + filled, static_cast<std::streamsize>(bytes->size() - filled));
+    filled += static_cast<std::size_t>(stream.gcount());
+    if (!stream) break;
+    if (filled > kMaxBytes) return internal::bad_input(path + ": more than 1 GiB, this is no text file");
   }
   if (stream.bad()) return io_error("can't be read", path);
-  return text;
+  bytes->resize(filled);
+  return {};
 }
 
 Result<void> write_text(const std::string& path, std::string_view text) {

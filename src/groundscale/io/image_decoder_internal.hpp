@@ -29,6 +29,7 @@ class ImageDecoder {
 
  private:
   std::optional<double> grey_a_16bit_step_;
+  std::string bytes_;  ///< Of the file read last: its memory is used again.
 };
 
 /// Why the file's bytes aren't the whole image (a PNG without its end chunk, a JPEG without its end marker), or

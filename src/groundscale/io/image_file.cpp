@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "groundscale/io/bytes_internal.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/image_decoder_internal.hpp"
 #include "groundscale/io/text_internal.hpp"
@@ -112,9 +113,8 @@ Result<Image> ImageDecoder::convert(const cv::Mat& decoded) {
 }
 
 Result<Image> ImageDecoder::read(const std::string& path) {
-  const Result<std::string> bytes = read_text(path);
-  if (!bytes) return bytes.error();
-  Result<Image> image = decode(*bytes);
+  if (Result<void> done = read_bytes(path, &bytes_); !done) return done.error();
+  Result<Image> image = decode(bytes_);
   if (!image) return bad_input(fmt::format("{}: {}", path, image.error().message));
   return image;
 }
