@@ -86,7 +86,6 @@ Result<CameraSetup> read_camera(const RunArguments& arguments, const Sequence& s
   if (!std::isfinite(*setup->height_m) || *setup->height_m <= 0.0) {
     return Error{ErrorCode::kBadInput, fmt::format("the camera height is {} m, it must be above 0", *setup->height_m)};
   }
-  constexpr double kUnlikelyHeightM = 20.0;
   if (*setup->height_m > kUnlikelyHeightM) {
     summary.warnings.push_back(fmt::format("the camera height is {} m: is it given in metres?", *setup->height_m));
   }

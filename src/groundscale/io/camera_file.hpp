@@ -13,6 +13,9 @@
 
 namespace groundscale {
 
+/// A camera higher than this is likely one whose height was not given in metres: worth a warning, but no error.
+inline constexpr double kUnlikelyHeightM = 20.0;
+
 /// A camera and how it sits on the vehicle, as a camera file says. What the file leaves out is empty.
 struct CameraSetup {
   CameraPtr camera;

@@ -67,7 +67,8 @@ Result<PairwiseOdometry> PairwiseOdometry::create(const CameraSetup& setup, cons
   const GroundPlane road{mounting.normal_in_cam(), *setup.height_m};
   const Image region = intersect_masks(
       region_mask({mounting.forward_in_cam(), 0.0}, road, *setup.camera, options.road.region), odometry.tracking_mask_);
-  if (mask_area(region) == 0) {
+  // An unlikely height says more about its unit than about where the road is: the run goes on, with a warning.
+  if (mask_area(region) == 0 && *setup.height_m <= kUnlikelyHeightM) {
     return Error{ErrorCode::kBadInput,
                  fmt::format("no road is in view: the strip from {} to {} m ahead lies outside the image with this "
                              "height, pitch, roll and yaw (or behind the vehicle mask)",
