@@ -5,6 +5,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/steps.sh
+keep_going=yes
 jobs=$(nproc)
 
 sources() { find src apps tests benchmarks examples -name '*.cpp' -o -name '*.hpp' | sort; }
@@ -55,3 +56,7 @@ steps=("$@")
 for name in "${steps[@]}"; do
   step "$name" "check_$name"
 done
+if [ ${#failed_steps[@]} -gt 0 ]; then
+  echo "check.sh: failed: ${failed_steps[*]}"
+  exit 1
+fi

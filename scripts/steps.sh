@@ -1,11 +1,19 @@
-# Sourced by the other scripts: step TITLE COMMAND... runs a command and prints how long it took.
+# Sourced by the other scripts: step TITLE COMMAND... runs a command, a function with `set -e` among them, and prints how
+# long it took. A failure ends the script, or, where keep_going is set, is remembered in failed_steps.
+failed_steps=()
 step() {
-  local title=$1 started=$SECONDS
+  local title=$1 started=$SECONDS status
   shift
   echo "== $title"
-  if ! "$@"; then
+  set +e  # not `if ! "$@"`: inside a condition a function's own `set -e` would do nothing
+  (set -e; "$@")
+  status=$?
+  set -e
+  if [ $status -eq 0 ]; then
+    echo "== $title: $((SECONDS - started)) s"
+  else
     echo "== $title: FAILED after $((SECONDS - started)) s"
-    return 1
+    [ -n "${keep_going:-}" ] || exit 1
+    failed_steps+=("$title")
   fi
-  echo "== $title: $((SECONDS - started)) s"
 }

@@ -56,8 +56,8 @@ def check(entry, salt, cache, tidy, database):
     if stamp.exists():
         stamp.touch()
         return name, None, ""
-    run = subprocess.run([tidy, "--quiet", "--warnings-as-errors=*", "-p", str(database.parent), entry["file"]],
-                         capture_output=True, text=True)
+    run = subprocess.run([tidy, "--quiet", "--warnings-as-errors=*", "--extra-arg=-Wno-unknown-warning-option", "-p",
+                          str(database.parent), entry["file"]], capture_output=True, text=True)
     output = ""
     if run.returncode == 0:
         stamp.touch()
@@ -87,7 +87,9 @@ def main():
     cache.mkdir(parents=True, exist_ok=True)
     remove_old(cache)
 
-    entries = {e["file"]: e for e in json.loads(arguments.database.read_text()) if arguments.only in e["file"]}
+    generated = str(arguments.database.resolve().parent) + os.sep
+    entries = {e["file"]: e for e in json.loads(arguments.database.read_text())
+               if arguments.only in e["file"] and not e["file"].startswith(generated)}
     checked, dirty = 0, 0
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         tasks = [pool.submit(check, entries[file], salt, cache, tidy, arguments.database) for file in sorted(entries)]
@@ -99,7 +101,8 @@ def main():
             if output:
                 dirty += 1
                 print(output, flush=True)
-    print(f"clang-tidy: {len(entries)} files, {checked} checked, {len(entries) - checked} known as clean, {dirty} with findings")
+    print(f"clang-tidy: {len(entries)} files, {checked} checked, {len(entries) - checked} known as clean, "
+          f"{dirty} with findings")
     return 1 if dirty else 0
 
 
