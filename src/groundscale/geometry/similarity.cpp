@@ -1,5 +1,8 @@
 #include "groundscale/geometry/similarity.hpp"
 
+#include <cmath>
+#include <cstddef>
+
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
@@ -22,7 +25,10 @@ Result<Similarity> align_points(const std::vector<Eigen::Vector3d>& source, cons
     covariance += (target[i] - target_mean) * (source[i] - source_mean).transpose() / count;
     source_variance += (source[i] - source_mean).squaredNorm() / count;
   }
-  if (!(source_variance > 0.0)) return Error{ErrorCode::kTooFewMatches, "alignment of points that lie on one spot"};
+  constexpr double kSpot = 1e-12;  // of the distance from the origin: beneath, the spread is rounding
+  if (!(std::sqrt(source_variance) > kSpot * source_mean.norm())) {
+    return Error{ErrorCode::kTooFewMatches, "alignment of points that lie on one spot"};
+  }
 
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();

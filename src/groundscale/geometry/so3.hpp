@@ -16,7 +16,7 @@ Eigen::Vector3d log_so3(const Eigen::Matrix3d& rotation);
 /// Angle of a rotation in [0, pi], accurate near 0 where the arc cosine of the trace isn't.
 double rotation_angle(const Eigen::Matrix3d& rotation);
 
-/// Nearest rotation in the Frobenius norm.
+/// Nearest rotation in the Frobenius norm, of a matrix with a positive determinant.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
 
 /// Two unit vectors that span the plane across t, as columns: the directions that the covariance of t refers to.
