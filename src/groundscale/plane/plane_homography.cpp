@@ -16,8 +16,7 @@ namespace {
 Eigen::Matrix3d conditioner(const std::vector<Eigen::Vector3d>& rays) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& ray : rays) mean += ray;
-  const Eigen::Matrix3d to_axis =
-      Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d to_axis = Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   double squares = 0.0;
   for (const Eigen::Vector3d& ray : rays) squares += (to_axis * ray).head<2>().squaredNorm();
   const double spread = std::sqrt(squares / (2.0 * static_cast<double>(rays.size())));

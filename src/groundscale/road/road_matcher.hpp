@@ -26,7 +26,8 @@ class RoadMatcher {
   /// a better one.
   Matches match_roughly(const RoadView& first, const Image& second, const RoadWarp& warp, const Camera& camera) const;
   /// Follows all of them; `fine` where the warp is right to about a pixel.
-  Matches match(const RoadView& first, const Image& second, const RoadWarp& warp, bool fine, const Camera& camera) const;
+  Matches match(const RoadView& first, const Image& second, const RoadWarp& warp, bool fine,
+                const Camera& camera) const;
 
  private:
   RoadTrackingOptions options_;
