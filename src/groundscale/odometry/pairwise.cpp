@@ -339,9 +339,10 @@ DrivenPath PairwiseOdometry::path_of(const RoadWarp& warp) const {
 
 Result<PlaneMeasurement> PairwiseOdometry::measure_plane(const Pair& pair, const RoadWarp& warp) {
   clock_.lap("road tracking");
-  auto plane = estimate_plane_(
-      observations_of(road_matches_, camera_, pair.motion, path_of(warp), warp.road_in_cam1, options_.road.region),
-      options_.ground.plane, rng_);
+  RoadObservations observations = observations_of(road_matches_, camera_, pair.motion, path_of(warp),
+                                                  warp.road_in_cam1, options_.road.region);
+  if (mounting_.settled()) observations.expected_normal = mounting_.mean_normal();
+  auto plane = estimate_plane_(observations, options_.ground.plane, rng_);
   clock_.lap("plane");
   return plane;
 }

@@ -39,6 +39,18 @@ void visit_fields(PlaneOptions& options, FieldVisitor& visitor) {
                 options.max_error_px);
   visitor.field({.key = "huber_px", .unit = "px", .help = "bound r0 of the Huber loss", .min = 0.01, .max = 20},
                 options.huber_px);
+  visitor.field({.key = "normal_prior_deg",
+                 .unit = "deg",
+                 .help = "sd of the plane's normal about the mean of the drive, 0: free",
+                 .min = 0,
+                 .max = 45},
+                options.normal_prior_deg);
+  visitor.field({.key = "point_sd_px",
+                 .unit = "px",
+                 .help = "what a road point is worth against that prior, since roads aren't planes",
+                 .min = 0.01,
+                 .max = 20},
+                options.point_sd_px);
   visitor.field({.key = "min_inliers",
                  .unit = "",
                  .help = "fewer road matches on the plane refuse the measurement",

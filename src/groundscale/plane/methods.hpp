@@ -21,6 +21,10 @@ struct PlaneOptions {
   double max_epipolar_px = 0.7;  ///< Road points must agree with R, t this well.
   double max_error_px = 1.0;     ///< Symmetric transfer error of an inlier, each way.
   double huber_px = 0.5;         ///< Bound r0 of the Huber loss.
+  /// Sd of the expected normal, where one is given; 0: not used. Pitch and height are strongly correlated, and in a
+  /// turn few points tell them apart.
+  double normal_prior_deg = 1.0;
+  double point_sd_px = 0.9;  ///< What a point is worth against the prior, since roads aren't planes.
   int min_inliers = 30;
   PlaneRefinement refinement = PlaneRefinement::kLevenbergMarquardt;
   RansacOptions ransac{.min_trials = 20, .max_trials = 200, .confidence = 0.999};

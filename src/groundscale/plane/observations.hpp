@@ -31,6 +31,9 @@ struct RoadObservations {
   /// Poses of the views by the reference view, which is view 0 and the identity.
   std::vector<RigidTransform> cam_from_reference;
   std::vector<RoadPoint> points;
+  /// Where the normal is expected in the reference view, a unit vector; zero where nothing is known. Used with
+  /// PlaneOptions::normal_prior_deg.
+  Eigen::Vector3d expected_normal = Eigen::Vector3d::Zero();
   /// Covariance of (rotation vector left of R, two tangents of t) of view 1 where it is known, else zero.
   Eigen::Matrix<double, 5, 5> motion_covariance = Eigen::Matrix<double, 5, 5>::Zero();
 };

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -16,13 +17,30 @@ struct NormalEquations {
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
 };
 
+/// Weight of |n - expected|^2 / 2 beside the sum of transfer errors, forward and backward; 0 without a prior.
+double prior_weight(const RoadObservations& observations, const PlaneOptions& options) {
+  if (observations.expected_normal.isZero() || options.normal_prior_deg <= 0.0) return 0.0;
+  const double sd_rad = options.normal_prior_deg * std::numbers::pi / 180.0;
+  return 2.0 * options.point_sd_px * options.point_sd_px / (sd_rad * sd_rad);
+}
+
+/// Derivative of n = m / |m| by m.
+Eigen::Matrix3d normal_by_m(const Eigen::Vector3d& m) {
+  const Eigen::Vector3d n = m.normalized();
+  return (Eigen::Matrix3d::Identity() - n * n.transpose()) / m.norm();
+}
+
 class TransferCost {
  public:
-  TransferCost(const RoadObservations& observations, const std::vector<Transfer>& transfers, double huber_px)
-      : observations_(observations), transfers_(transfers), loss_{huber_px} {}
+  TransferCost(const RoadObservations& observations, const std::vector<Transfer>& transfers,
+               const PlaneOptions& options)
+      : observations_(observations),
+        transfers_(transfers),
+        loss_{options.huber_px},
+        prior_(prior_weight(observations, options)) {}
 
   double operator()(const Eigen::Vector3d& m) const {
-    double cost = 0.0;
+    double cost = 0.5 * prior_ * (m.normalized() - observations_.expected_normal).squaredNorm();
     for (const Transfer& transfer : transfers_) {
       const auto error = error_of(m, transfer);
       // A point that leaves the camera's field costs as much as one that is far off.
@@ -34,6 +52,11 @@ class TransferCost {
 
   NormalEquations linearise(const Eigen::Vector3d& m) const {
     NormalEquations equations;
+    if (prior_ > 0.0) {
+      const Eigen::Matrix3d by_m = normal_by_m(m);
+      equations.information += prior_ * by_m.transpose() * by_m;
+      equations.gradient += prior_ * by_m.transpose() * (m.normalized() - observations_.expected_normal);
+    }
     for (const Transfer& transfer : transfers_) {
       const auto error = error_of(m, transfer);
       if (!error) continue;
@@ -61,6 +84,7 @@ class TransferCost {
   const RoadObservations& observations_;
   const std::vector<Transfer>& transfers_;
   HuberLoss loss_;
+  double prior_;
 };
 
 Eigen::Vector3d refine_by_levenberg_marquardt(const TransferCost& cost_of, Eigen::Vector3d m) {
@@ -119,7 +143,7 @@ Eigen::Vector3d refine_by_nelder_mead(const TransferCost& cost_of, const Eigen::
 
 Eigen::Vector3d refine_plane(const RoadObservations& observations, const std::vector<Transfer>& transfers,
                              const Eigen::Vector3d& start, const PlaneOptions& options) {
-  const TransferCost cost(observations, transfers, options.huber_px);
+  const TransferCost cost(observations, transfers, options);
   return options.refinement == PlaneRefinement::kNelderMead ? refine_by_nelder_mead(cost, start)
                                                             : refine_by_levenberg_marquardt(cost, start);
 }
@@ -146,14 +170,21 @@ Eigen::Matrix3d covariance_of_plane(const RoadObservations& observations, const 
     const auto by_view = forward_by_motion(*observations.camera, pose, m, transfer);
     if (by_view) by_motion += weight * error->forward_by_m.transpose() * *by_view;
   }
-  // Of two coordinates a transfer, three parameters. A point's weight says how much it counts, not how precise it is, so
-  // the covariance is A^-1 B A^-1 with B = sum w^2 J^T J.
+  // Of two coordinates a transfer, three parameters. A point's weight says how much it counts, not how precise it is,
+  // so the covariance is A^-1 B A^-1 with B = sum w^2 J^T J.
   const auto count = static_cast<double>(transfers.size());
   const double variance = squares / std::max(1e-12, 2.0 * weights) * (2.0 * count / std::max(1.0, 2.0 * count - 3.0));
+  const double prior = prior_weight(observations, options);
+  if (prior > 0.0) {
+    const Eigen::Matrix3d by_m = normal_by_m(m);
+    // Half of the refinement's, which counts each point twice.
+    const Eigen::Matrix3d prior_information = 0.5 * prior * by_m.transpose() * by_m;
+    information += prior_information;
+    spread += prior_information;
+  }
   const Eigen::Matrix3d inverse = information.ldlt().solve(Eigen::Matrix3d::Identity());
   const Eigen::Matrix<double, 3, 5> m_by_motion = -inverse * by_motion;
-  return variance * inverse * spread * inverse +
-         m_by_motion * observations.motion_covariance * m_by_motion.transpose();
+  return variance * inverse * spread * inverse + m_by_motion * observations.motion_covariance * m_by_motion.transpose();
 }
 
 }  // namespace groundscale
