@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "groundscale/estimation/robust.hpp"
-
 namespace groundscale {
 
 MountingEstimate::MountingEstimate(std::optional<double> pitch_rad, std::optional<double> roll_rad,
@@ -14,23 +12,19 @@ MountingEstimate::MountingEstimate(std::optional<double> pitch_rad, std::optiona
       mean_pitch_rad_(mounting_.pitch_rad),
       mean_roll_rad_(mounting_.roll_rad) {}
 
-void MountingEstimate::accept(double pitch_rad, double roll_rad) {
-  ++accepted_;
-  if (!settled()) {
-    first_pitches_.push_back(pitch_rad);
-    first_rolls_.push_back(roll_rad);
-    mounting_.pitch_rad = mean_pitch_rad_ = median(first_pitches_);
-    mounting_.roll_rad = mean_roll_rad_ = median(first_rolls_);
-    return;
-  }
-  // The mean follows a drive's slope within some 50 measurements, the mounting within some 500.
-  constexpr double kMeanGain = 0.02;
-  constexpr double kMountingGain = 0.002;
-  mean_pitch_rad_ += kMeanGain * (pitch_rad - mean_pitch_rad_);
-  mean_roll_rad_ += kMeanGain * (roll_rad - mean_roll_rad_);
+void MountingEstimate::accept(double pitch_rad, double roll_rad, double weight) {
+  // Plain means first, then the mean follows a drive's slope within some 50 measurements, the mounting within some 500.
+  constexpr double kMeanMemory = 50.0;
+  constexpr double kMountingMemory = 500.0;
+  // What is known before the first one, the file's angles or a level camera, is worth one measurement.
+  weights_ += weight;
+  const double mean_gain = weight / std::min(kMeanMemory, 1.0 + weights_);
+  mean_pitch_rad_ += mean_gain * (pitch_rad - mean_pitch_rad_);
+  mean_roll_rad_ += mean_gain * (roll_rad - mean_roll_rad_);
   if (given_) return;
-  mounting_.pitch_rad += kMountingGain * (pitch_rad - mounting_.pitch_rad);
-  mounting_.roll_rad += kMountingGain * (roll_rad - mounting_.roll_rad);
+  const double mounting_gain = weight / std::min(kMountingMemory, 1.0 + weights_);
+  mounting_.pitch_rad += mounting_gain * (pitch_rad - mounting_.pitch_rad);
+  mounting_.roll_rad += mounting_gain * (roll_rad - mounting_.roll_rad);
 }
 
 }  // namespace groundscale

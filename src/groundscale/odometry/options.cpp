@@ -39,6 +39,12 @@ void visit_fields(GroundOptions& options, FieldVisitor& visitor) {
                  .min = 1,
                  .max = 1000},
                 options.search_after);
+  visitor.field({.key = "unsettled_prior_factor",
+                 .unit = "",
+                 .help = "how much wider the normal's prior is until the mounting has been found",
+                 .min = 1,
+                 .max = 100},
+                options.unsettled_prior_factor);
   visitor.field({.key = "settle_after",
                  .unit = "frames",
                  .help = "accepted measurements that find the mounting",

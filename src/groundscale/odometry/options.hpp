@@ -31,7 +31,8 @@ struct GroundOptions {
   bool use_structure = true;    ///< Predict the speed from tracked points seen in both pairs.
   int reopen_after = 5;         ///< Refusals in a row after which the filter trusts itself less.
   int search_after = 3;         ///< Refusals in a row after which the step is searched for anew.
-  int settle_after = 15;        ///< Accepted measurements that find the mounting.
+  double unsettled_prior_factor = 3.0;  ///< Until then the normal's prior is that much wider.
+  int settle_after = 15;                ///< Accepted measurements that find the mounting.
 };
 
 void visit_fields(GroundOptions& options, FieldVisitor& visitor);

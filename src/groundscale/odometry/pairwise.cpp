@@ -27,6 +27,14 @@ Image allowed_of(const Image& vehicle_mask) {
   return allowed;
 }
 
+/// How much a measurement says about the mounting: less in a turn, and less where its step is uncertain.
+double mounting_weight(double curvature_per_m, double log_step_sd) {
+  constexpr double kStraightPerM = 0.02;  // a radius of 50 m counts half
+  constexpr double kPreciseSd = 0.03;
+  const double turn = curvature_per_m / kStraightPerM;
+  return std::min(1.0, std::pow(kPreciseSd / log_step_sd, 2)) / (1.0 + turn * turn);
+}
+
 /// Whether two images differ by less than a grey level on average.
 bool same_image(const Image& a, const Image& b) {
   if (a.width() != b.width() || a.height() != b.height()) return false;
@@ -272,7 +280,8 @@ const FrameResult& PairwiseOdometry::move(FrameResult result, Pair pair, const F
     result.reason = measured->refusal;
     if (measured->refusal.empty()) {
       refused_in_a_row_ = 0;
-      mounting_.accept(*result.pitch_rad, *result.roll_rad);
+      mounting_.accept(*result.pitch_rad, *result.roll_rad,
+                       mounting_weight(details_.path.curvature_per_m, result.raw_sd));
       if (!scaled_) {
         take_scale(distance, lead + expected_step);
         measured->observation.lead_m = lead_of(pair);
@@ -339,10 +348,12 @@ DrivenPath PairwiseOdometry::path_of(const RoadWarp& warp) const {
 
 Result<PlaneMeasurement> PairwiseOdometry::measure_plane(const Pair& pair, const RoadWarp& warp) {
   clock_.lap("road tracking");
-  RoadObservations observations = observations_of(road_matches_, camera_, pair.motion, path_of(warp),
-                                                  warp.road_in_cam1, options_.road.region);
-  if (mounting_.settled()) observations.expected_normal = mounting_.mean_normal();
-  auto plane = estimate_plane_(observations, options_.ground.plane, rng_);
+  RoadObservations observations =
+      observations_of(road_matches_, camera_, pair.motion, path_of(warp), warp.road_in_cam1, options_.road.region);
+  observations.expected_normal = mounting_.mean_normal();
+  PlaneOptions plane_options = options_.ground.plane;
+  if (!mounting_.settled()) plane_options.normal_prior_deg *= options_.ground.unsettled_prior_factor;
+  auto plane = estimate_plane_(observations, plane_options, rng_);
   clock_.lap("plane");
   return plane;
 }
@@ -385,6 +396,7 @@ std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const P
   result.road_matches = static_cast<int>(road_matches_.size());
   details_.road_matches = road_matches_;
   details_.road = warp.road_in_cam1;
+  details_.path = path_of(warp);
   details_.cam_from_reference = warp.cam2_from_cam1;
   if (!plane) {
     result.reason = plane.error().message;

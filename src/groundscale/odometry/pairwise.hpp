@@ -32,7 +32,8 @@ struct FrameDetails {
   std::vector<int> inliers;
   Matches road_matches;
   std::vector<int> road_inliers;
-  GroundPlane road;                   ///< Metres, in the partner's camera.
+  GroundPlane road;  ///< Metres, in the partner's camera.
+  DrivenPath path;
   RigidTransform cam_from_reference;  ///< Metres.
 };
 
