@@ -9,7 +9,7 @@
 #include "commands.hpp"
 #include "groundscale/io/config.hpp"
 #include "groundscale/io/files.hpp"
-#include "groundscale/odometry/options.hpp"
+#include "groundscale/odometry/run_source.hpp"
 
 namespace groundscale {
 namespace {
@@ -64,7 +64,7 @@ void print_table(const std::vector<FieldRow>& rows) {
 }
 
 Result<void> print_config(const ConfigArguments& arguments) {
-  OdometryOptions options;
+  RunConfig options;
   const VisitOptions visit = [&options](FieldVisitor& visitor) { visit_fields(options, visitor); };
   if (!arguments.config_file.empty()) {
     const Result<std::string> text = read_text(arguments.config_file);

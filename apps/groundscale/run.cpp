@@ -20,6 +20,7 @@
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/sequence.hpp"
 #include "groundscale/odometry/pairwise.hpp"
+#include "groundscale/odometry/run_source.hpp"
 #include "groundscale/odometry/run_writer.hpp"
 #include "groundscale/report/overlay.hpp"
 
@@ -27,10 +28,11 @@ namespace groundscale {
 namespace {
 
 struct RunArguments {
-  SequenceRequest sequence;
-  std::string output;
-  std::string camera_file;
+  std::optional<std::string> source;
+  std::optional<std::string> camera_file;
   std::optional<double> camera_height_m;
+  std::optional<int> kitti_image, start, frames;
+  std::string output;
   std::string config_file;
   std::string overlay_folder;
   std::vector<std::string> assignments;
@@ -41,9 +43,15 @@ struct RunArguments {
 
 constexpr double kKittiHeightM = 1.65;
 
-Result<OdometryOptions> read_options(const RunArguments& arguments) {
-  OdometryOptions options;
-  const VisitOptions visit = [&options](FieldVisitor& visitor) { visit_fields(options, visitor); };
+template <class Value>
+void replace(const std::optional<Value>& given, Value& value) {
+  if (given) value = *given;
+}
+
+/// The file of --config, above it --set, above both the other arguments.
+Result<RunConfig> read_config(const RunArguments& arguments) {
+  RunConfig config;
+  const VisitOptions visit = [&config](FieldVisitor& visitor) { visit_fields(config, visitor); };
   if (!arguments.config_file.empty()) {
     const auto text = read_text(arguments.config_file);
     if (!text) return text.error();
@@ -52,18 +60,27 @@ Result<OdometryOptions> read_options(const RunArguments& arguments) {
   for (const std::string& assignment : arguments.assignments) {
     if (const auto done = apply_assignment(assignment, visit); !done) return done.error();
   }
-  if (arguments.seed) options.seed = *arguments.seed;
-  if (const auto valid = options.validate(); !valid) return valid.error();
-  return options;
+  replace(arguments.seed, config.odometry.seed);
+  replace(arguments.source, config.run.source);
+  replace(arguments.kitti_image, config.run.image);
+  replace(arguments.start, config.run.start);
+  replace(arguments.frames, config.run.frames);
+  replace(arguments.camera_file, config.run.camera);
+  if (config.run.source.empty()) {
+    return Error{ErrorCode::kBadInput, "SOURCE is missing: on the command line, or run.source in the file of --config"};
+  }
+  if (const auto valid = config.validate(); !valid) return valid.error();
+  return config;
 }
 
-Result<CameraSetup> read_camera(const RunArguments& arguments, const Sequence& sequence, RunSummary& summary) {
-  const std::string path = arguments.camera_file.empty() ? sequence.calibration_path() : arguments.camera_file;
+Result<CameraSetup> read_camera(const RunArguments& arguments, const RunSource& source, const Sequence& sequence,
+                                RunSummary& summary) {
+  const std::string path = source.camera.empty() ? sequence.calibration_path() : source.camera;
   if (path.empty()) {
     return Error{
         ErrorCode::kBadInput,
         fmt::format("{}: no calibration: neither camera.yaml nor calib.txt lies there; --camera FILE names one",
-                    arguments.sequence.source)};
+                    source.source)};
   }
   summary.camera_from = path;
   const bool kitti = std::filesystem::path(path).extension() == ".txt";
@@ -74,6 +91,9 @@ Result<CameraSetup> read_camera(const RunArguments& arguments, const Sequence& s
   if (arguments.camera_height_m) {
     setup->height_m = arguments.camera_height_m;
     summary.camera_height_from = "--camera-height";
+  } else if (source.camera_height_m > 0.0) {
+    setup->height_m = source.camera_height_m;
+    summary.camera_height_from = "run.camera_height_m";
   } else if (setup->height_m) {
     summary.camera_height_from = path;
   } else if (sequence.kitti_image()) {
@@ -178,27 +198,37 @@ Result<void> make_folder(const std::string& folder) {
   return {};
 }
 
+/// For config.yaml: what was left to be found is filled in.
+std::string config_in_force(RunConfig config, const Sequence& sequence, const RunSummary& summary) {
+  config.run.camera = summary.camera_from;
+  config.run.camera_height_m = summary.camera_height_m;
+  config.run.image = sequence.kitti_image().value_or(config.run.image);
+  config.run = config.run.absolute();
+  return to_yaml([&config](FieldVisitor& visitor) { visit_fields(config, visitor); });
+}
+
 Result<void> run(const RunArguments& arguments) {
   RunSummary summary;
-  auto options = read_options(arguments);
-  if (!options) return options.error();
-  auto sequence = open_sequence(arguments.sequence, /*decode_ahead=*/true);
+  auto config = read_config(arguments);
+  if (!config) return config.error();
+  RunSource& source = config->run;
+  auto sequence = open_sequence(source.request(), /*decode_ahead=*/true);
   if (!sequence) return sequence.error();
   constexpr int kMinFrames = 2;
   if ((*sequence)->frame_count() < kMinFrames) {
-    return Error{ErrorCode::kBadInput, fmt::format("{}: {} frame, at least {} are needed", arguments.sequence.source,
+    return Error{ErrorCode::kBadInput, fmt::format("{}: {} frame, at least {} are needed", source.source,
                                                    (*sequence)->frame_count(), kMinFrames)};
   }
-  auto setup = read_camera(arguments, **sequence, summary);
+  auto setup = read_camera(arguments, source, **sequence, summary);
   if (!setup) return setup.error();
-  auto odometry = PairwiseOdometry::create(*setup, *options);
+  auto odometry = PairwiseOdometry::create(*setup, config->odometry);
   if (!odometry) return odometry.error();
   if (const auto made = make_folder(arguments.overlay_folder); !made) return made;
   auto writer = RunWriter::create(arguments.output, arguments.force);
   if (!writer) return writer.error();
 
-  summary.source = arguments.sequence.source;
-  summary.seed = options->seed;
+  summary.source = source.source;
+  summary.seed = config->odometry.seed;
   summary.first_frame = (*sequence)->first_frame();
   summary.has_times = (*sequence)->has_times();
   if (!summary.has_times) summary.warnings.emplace_back("the source has no times: 10 frames a second are assumed");
@@ -207,8 +237,9 @@ Result<void> run(const RunArguments& arguments) {
   add_figures(*odometry, summary);
   if (!odometry->scaled())
     summary.warnings.emplace_back("no measurement of the road was accepted: the trajectory has no scale");
-  const VisitOptions visit = [&options](FieldVisitor& visitor) { visit_fields(*options, visitor); };
-  if (const auto done = writer->finish(*odometry, summary, to_yaml(visit)); !done) return done;
+  if (const auto done = writer->finish(*odometry, summary, config_in_force(*config, **sequence, summary)); !done) {
+    return done;
+  }
   for (const std::string& warning : summary.warnings) fmt::print(stderr, "groundscale: warning: {}\n", warning);
   print_summary(summary, arguments.output);
   return {};
@@ -219,16 +250,17 @@ Result<void> run(const RunArguments& arguments) {
 void add_run(CLI::App& app, int& exit_status) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "A metric trajectory from a drive");
-  command->add_option("SOURCE", arguments->sequence.source, "KITTI odometry folder, image folder or video")->required();
+  command->add_option("SOURCE", arguments->source,
+                      "KITTI odometry folder, image folder or video; may come from --config's file");
   command->add_option("--output", arguments->output, "Folder for the results")->required();
   command->add_option("--camera", arguments->camera_file, "Camera file (docs/formats.md)");
   command->add_option("--camera-height", arguments->camera_height_m, "Metres above the road");
-  command->add_option("--image", arguments->sequence.kitti_image, "KITTI's image folder")->check(CLI::Range(0, 3));
-  command->add_option("--config", arguments->config_file, "Configuration file");
+  command->add_option("--image", arguments->kitti_image, "KITTI's image folder")->check(CLI::Range(0, 3));
+  command->add_option("--config", arguments->config_file, "Configuration file; the config.yaml of a run repeats it");
   command->add_option("--set", arguments->assignments, "KEY=VALUE of the configuration")->expected(1)->take_all();
   command->add_option("--overlay", arguments->overlay_folder, "Folder for pictures of what was measured in each frame");
-  command->add_option("--start", arguments->sequence.start, "First frame")->check(CLI::NonNegativeNumber);
-  command->add_option("--frames", arguments->sequence.frames, "At most so many frames")->check(CLI::PositiveNumber);
+  command->add_option("--start", arguments->start, "First frame")->check(CLI::NonNegativeNumber);
+  command->add_option("--frames", arguments->frames, "At most so many frames")->check(CLI::PositiveNumber);
   command->add_option("--seed", arguments->seed, "Of all random draws")->check(CLI::NonNegativeNumber);
   command->add_flag("--force", arguments->force, "Overwrite the output");
   command->add_flag("--quiet", arguments->quiet, "No progress");
