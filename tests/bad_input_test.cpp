@@ -111,6 +111,17 @@ std::string calibration_with(const std::string& from, const std::string& to) {
 /// Into an image folder without calibration or KITTI's layout.
 std::string plain_folder(const Setting& s) { return s.path("drive/image_0"); }
 
+void write_mask(const Setting& s, int frame, const Image& mask) {
+  const auto written = write_image(s.path("masks/" + SyntheticDrive().image_name(frame)), mask);
+  GS_CHECK(written.has_value(), "the fixture can't be written");
+}
+
+Image all_road() {
+  Image mask(640, 240);
+  std::fill_n(mask.data(), mask.width() * mask.height(), std::uint8_t{255});
+  return mask;
+}
+
 std::vector<Row> refused_rows() {
   return {
       {"missing folder", 2, "no such folder or file", [](const Setting& s) { return s.run_source(s.path("nowhere")); }},
@@ -216,6 +227,21 @@ std::vector<Row> refused_rows() {
          const std::string truth = s.write("truth.txt", SyntheticDrive().truth(5));
          return run_program({"evaluate", s.write("estimate.txt", SyntheticDrive().truth(kFrames)), "--truth", truth});
        }},
+      {"folder of road masks missing", 2, "no such folder",
+       [](const Setting& s) {
+         return s.run({"--road-masks", s.path("nowhere")});
+       }},
+      {"folder of road masks empty", 2, "holds no images",
+       [](const Setting& s) {
+         fs::create_directory(s.path("masks"));
+         return s.run({"--road-masks", s.path("masks")});
+       }},
+      {"road masks of another size", 2, "is 600x240, the images are 640x240",
+       [](const Setting& s) {
+         fs::create_directory(s.path("masks"));
+         for (int k = 0; k < kFrames; ++k) write_mask(s, k, Image(600, 240));
+         return s.run({"--road-masks", s.path("masks")});
+       }},
       {"output that exists, without --force", 2, "--force overwrites it",
        [](const Setting& s) {
          s.write("output/keep.txt", "kept");
@@ -307,6 +333,14 @@ std::vector<Row> passed_rows() {
   return {{"camera height over 20 m", 0, "is it given in metres?",
            [](const Setting& s) {
              return s.run({"--camera-height", "165"});
+           }},
+          {"one road mask missing", 0, "goes without road mask",
+           [](const Setting& s) {
+             fs::create_directory(s.path("masks"));
+             for (int k = 0; k < kFrames; ++k) {
+               if (k != 5) write_mask(s, k, all_road());
+             }
+             return s.run({"--road-masks", s.path("masks")});
            }},
           {"truncated image in the middle", 0, "truncated: the PNG's end is missing",
            [](const Setting& s) {

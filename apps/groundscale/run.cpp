@@ -18,6 +18,7 @@
 #include "groundscale/io/camera_file.hpp"
 #include "groundscale/io/config.hpp"
 #include "groundscale/io/files.hpp"
+#include "groundscale/io/road_masks.hpp"
 #include "groundscale/io/sequence.hpp"
 #include "groundscale/odometry/pairwise.hpp"
 #include "groundscale/odometry/run_source.hpp"
@@ -29,7 +30,7 @@ namespace {
 
 struct RunArguments {
   std::optional<std::string> source;
-  std::optional<std::string> camera_file;
+  std::optional<std::string> camera_file, road_masks;
   std::optional<double> camera_height_m;
   std::optional<int> kitti_image, start, frames;
   std::string output;
@@ -66,6 +67,7 @@ Result<RunConfig> read_config(const RunArguments& arguments) {
   replace(arguments.start, config.run.start);
   replace(arguments.frames, config.run.frames);
   replace(arguments.camera_file, config.run.camera);
+  replace(arguments.road_masks, config.run.road_masks);
   if (config.run.source.empty()) {
     return Error{ErrorCode::kBadInput, "SOURCE is missing: on the command line, or run.source in the file of --config"};
   }
@@ -142,8 +144,25 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Result<void> drive(Sequence& sequence, const Camera& camera, PairwiseOdometry& odometry, RunWriter& writer,
-                   const RunArguments& arguments, RunSummary& summary) {
+/// The frame's mask; where there is none that can be used the frame goes without, with a warning.
+Image mask_of(const Frame& frame, const std::optional<RoadMasks>& masks, RunSummary& summary) {
+  if (!masks || frame.image.empty()) return {};
+  const auto mask = masks->read(frame.index);
+  if (mask) return *mask;
+  summary.warnings.push_back(fmt::format("frame {} goes without road mask: {}", frame.index, mask.error().message));
+  return {};
+}
+
+/// What a drive is made of.
+struct Drive {
+  Sequence& sequence;
+  const Camera& camera;
+  const std::optional<RoadMasks>& masks;
+  PairwiseOdometry& odometry;
+};
+
+Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments& arguments, RunSummary& summary) {
+  auto& [sequence, camera, masks, odometry] = drive;
   Progress progress(!arguments.quiet && isatty(STDERR_FILENO) != 0, sequence.frame_count());
   const auto start = std::chrono::steady_clock::now();
   std::vector<double> frame_ms;
@@ -155,7 +174,7 @@ Result<void> drive(Sequence& sequence, const Camera& camera, PairwiseOdometry& o
     if (!frame) break;
     decoding_s += seconds_since(frame_start);
     if (frame->image.empty()) summary.warnings.push_back(fmt::format("frame {}: {}", frame->index, frame->problem));
-    const FrameResult& result = odometry.advance(*frame);
+    const FrameResult& result = odometry.advance(*frame, mask_of(*frame, masks, summary));
     if (const auto done = writer.write_online(odometry); !done) return done;
     frame_ms.push_back(1e3 * seconds_since(frame_start));
     if (!arguments.overlay_folder.empty()) {
@@ -198,6 +217,14 @@ Result<void> make_folder(const std::string& folder) {
   return {};
 }
 
+/// Nothing without a folder.
+Result<std::optional<RoadMasks>> open_masks(const std::string& folder, const Sequence& sequence) {
+  if (folder.empty()) return std::optional<RoadMasks>();
+  auto masks = RoadMasks::open(folder, sequence);
+  if (!masks) return masks.error();
+  return std::optional<RoadMasks>(std::move(*masks));
+}
+
 /// For config.yaml: what was left to be found is filled in.
 std::string config_in_force(RunConfig config, const Sequence& sequence, const RunSummary& summary) {
   config.run.camera = summary.camera_from;
@@ -221,6 +248,8 @@ Result<void> run(const RunArguments& arguments) {
   }
   auto setup = read_camera(arguments, source, **sequence, summary);
   if (!setup) return setup.error();
+  const auto masks = open_masks(source.road_masks, **sequence);
+  if (!masks) return masks.error();
   auto odometry = PairwiseOdometry::create(*setup, config->odometry);
   if (!odometry) return odometry.error();
   if (const auto made = make_folder(arguments.overlay_folder); !made) return made;
@@ -232,7 +261,8 @@ Result<void> run(const RunArguments& arguments) {
   summary.first_frame = (*sequence)->first_frame();
   summary.has_times = (*sequence)->has_times();
   if (!summary.has_times) summary.warnings.emplace_back("the source has no times: 10 frames a second are assumed");
-  if (const auto done = drive(**sequence, *setup->camera, *odometry, *writer, arguments, summary); !done) return done;
+  const Drive drive{**sequence, *setup->camera, *masks, *odometry};
+  if (const auto done = carry_out(drive, *writer, arguments, summary); !done) return done;
   for (const std::string& warning : (*sequence)->warnings()) summary.warnings.push_back(warning);
   add_figures(*odometry, summary);
   if (!odometry->scaled())
@@ -258,6 +288,7 @@ void add_run(CLI::App& app, int& exit_status) {
   command->add_option("--image", arguments->kitti_image, "KITTI's image folder")->check(CLI::Range(0, 3));
   command->add_option("--config", arguments->config_file, "Configuration file; the config.yaml of a run repeats it");
   command->add_option("--set", arguments->assignments, "KEY=VALUE of the configuration")->expected(1)->take_all();
+  command->add_option("--road-masks", arguments->road_masks, "Folder with an image a frame, 0 = not road");
   command->add_option("--overlay", arguments->overlay_folder, "Folder for pictures of what was measured in each frame");
   command->add_option("--start", arguments->start, "First frame")->check(CLI::NonNegativeNumber);
   command->add_option("--frames", arguments->frames, "At most so many frames")->check(CLI::PositiveNumber);

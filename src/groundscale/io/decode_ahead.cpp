@@ -17,6 +17,7 @@ class DecodeAhead final : public Sequence {
         count_(sequence_->frame_count()),
         width_(sequence_->width()),
         height_(sequence_->height()),
+        image_names_(sequence_->image_names()),
         calibration_path_(sequence_->calibration_path()),
         kitti_image_(sequence_->kitti_image()),
         has_times_(sequence_->has_times()),
@@ -50,6 +51,7 @@ class DecodeAhead final : public Sequence {
   int frame_count() const override { return count_; }
   int width() const override { return width_; }
   int height() const override { return height_; }
+  std::vector<std::string> image_names() const override { return image_names_; }
   std::string calibration_path() const override { return calibration_path_; }
   std::optional<int> kitti_image() const override { return kitti_image_; }
   std::vector<std::string> warnings() const override { return warnings_; }
@@ -81,6 +83,7 @@ class DecodeAhead final : public Sequence {
   int count_;
   int width_;
   int height_;
+  std::vector<std::string> image_names_;
   std::string calibration_path_;
   std::optional<int> kitti_image_;
   bool has_times_;

@@ -29,24 +29,6 @@ bool has_image_ending(const fs::path& path) {
   return std::find(std::begin(kImageEndings), std::end(kImageEndings), ending) != std::end(kImageEndings);
 }
 
-/// Names of the images in a folder, in their order. Hidden files are left out.
-Result<std::vector<std::string>> image_names(const std::string& folder) {
-  std::vector<std::string> names;
-  try {
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-      const std::string name = entry.path().filename().string();
-      if (name.front() != '.' && has_image_ending(entry.path()) && !entry.is_directory()) names.push_back(name);
-    }
-  } catch (const fs::filesystem_error& e) {
-    return bad_input(fmt::format("{}: can't be read: {}", folder, e.code().message()));
-  }
-  if (names.empty()) {
-    return bad_input(fmt::format("{}: holds no images ({})", folder, fmt::join(kImageEndings, " ")));
-  }
-  std::sort(names.begin(), names.end(), natural_less);
-  return names;
-}
-
 /// Where images, times and calibration of a source lie.
 struct Layout {
   std::string images;
@@ -78,7 +60,7 @@ class ImageFolder final : public Sequence {
   static Result<std::unique_ptr<Sequence>> open(const SequenceRequest& request) {
     const Result<Layout> layout = layout_of(request);
     if (!layout) return layout.error();
-    Result<std::vector<std::string>> names = image_names(layout->images);
+    Result<std::vector<std::string>> names = internal::image_names(layout->images);
     if (!names) return names.error();
     const int available = static_cast<int>(names->size());
     std::vector<double> times_s;
@@ -117,6 +99,7 @@ class ImageFolder final : public Sequence {
   int frame_count() const override { return count_; }
   int width() const override { return width_; }
   int height() const override { return height_; }
+  std::vector<std::string> image_names() const override { return names_; }
   std::string calibration_path() const override { return calibration_in(layout_.root); }
   std::optional<int> kitti_image() const override { return layout_.kitti_image; }
   std::vector<std::string> warnings() const override { return {}; }
@@ -178,6 +161,23 @@ bool natural_less(std::string_view a, std::string_view b) {
   }
   if ((i < a.size()) != (j < b.size())) return j < b.size();
   return a < b;
+}
+
+Result<std::vector<std::string>> image_names(const std::string& folder) {
+  std::vector<std::string> names;
+  try {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+      const std::string name = entry.path().filename().string();
+      if (name.front() != '.' && has_image_ending(entry.path()) && !entry.is_directory()) names.push_back(name);
+    }
+  } catch (const fs::filesystem_error& e) {
+    return bad_input(fmt::format("{}: can't be read: {}", folder, e.code().message()));
+  }
+  if (names.empty()) {
+    return bad_input(fmt::format("{}: holds no images ({})", folder, fmt::join(kImageEndings, " ")));
+  }
+  std::sort(names.begin(), names.end(), natural_less);
+  return names;
 }
 
 Result<std::vector<double>> read_times(const std::string& path, int expected) {

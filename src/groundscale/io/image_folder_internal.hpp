@@ -14,6 +14,10 @@ namespace groundscale::internal {
 /// that are equal otherwise, so that the order is total.
 bool natural_less(std::string_view a, std::string_view b);
 
+/// Names of the images in a folder, in natural order. Hidden files are left out.
+/// @return kBadInput where it can't be read or holds none.
+Result<std::vector<std::string>> image_names(const std::string& folder);
+
 /// Rows of a times.txt, one number in seconds each. @return kBadInput with file and line for anything else, for times
 /// that fall, and for a number of rows that isn't `expected`.
 Result<std::vector<double>> read_times(const std::string& path, int expected);

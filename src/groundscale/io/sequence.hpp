@@ -32,6 +32,8 @@ class Sequence {
   virtual int frame_count() const = 0;
   virtual int width() const = 0;
   virtual int height() const = 0;
+  /// File names of the source's images, all from 0 on whatever first_frame is; empty for a video.
+  virtual std::vector<std::string> image_names() const { return {}; }
   /// Absolute path of a calibration that lies with the images (camera.yaml before calib.txt), or "".
   virtual std::string calibration_path() const = 0;
   /// Whether the source has KITTI odometry's layout, and which image folder (0..3) is read.

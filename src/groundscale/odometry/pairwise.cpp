@@ -100,6 +100,7 @@ PairwiseOdometry::PairwiseOdometry(const CameraSetup& setup, const OdometryOptio
 
 const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& road_mask) {
   details_ = {};
+  road_mask_ = road_mask;
   clock_.skip();
   FrameResult result;
   result.frame = frame.index;
@@ -131,7 +132,7 @@ const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& ro
     case MotionState::kRotating:
       return rotate(std::move(result), pair, frame);
     case MotionState::kMoving:
-      return move(std::move(result), std::move(pair), frame, road_mask);
+      return move(std::move(result), std::move(pair), frame);
     case MotionState::kLost:
       break;
   }
@@ -157,6 +158,7 @@ void PairwiseOdometry::remember_view(const Frame& frame, int result_index) {
   view.time_s = frame.time_s;
   view.points = tracker_.points();
   view.road.image = frame.image;
+  view.road_mask = road_mask_;
   for (const Match& match : road_matches_) view.road.points.push_back({match.id, match.pixel2});
   road_matches_.clear();
   views_.push(std::move(view));
@@ -256,7 +258,7 @@ double PairwiseOdometry::step_from_structure(const Pair& pair, const FrameResult
   return present;
 }
 
-const FrameResult& PairwiseOdometry::move(FrameResult result, Pair pair, const Frame& frame, const Image& road_mask) {
+const FrameResult& PairwiseOdometry::move(FrameResult result, Pair pair, const Frame& frame) {
   result.state = FrameState::kMoving;
   result.reference = pair.partner->result;
   result.reference_from_cam = pair.motion.cam2_from_cam1.rotation.transpose();
@@ -271,7 +273,7 @@ const FrameResult& PairwiseOdometry::move(FrameResult result, Pair pair, const F
   double expected_step = filter_->started() ? filter_->state().speed_mps * dt : structure_step;
   if (expected_step <= 0.0) expected_step = results_.back().online_step_m > 0.0 ? results_.back().online_step_m : 1.0;
 
-  auto measured = measure_road(pair, lead + expected_step, result, frame, road_mask);
+  auto measured = measure_road(pair, lead + expected_step, result, frame);
   if (measured) {
     result.raw_sd = std::sqrt(measured->observation.covariance(2, 2) * options_.ground.filter.formal_variance_factor);
     measured->observation.lead_m = scaled_ ? lead : 0.0;
@@ -359,12 +361,11 @@ Result<PlaneMeasurement> PairwiseOdometry::measure_plane(const Pair& pair, const
 }
 
 std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const Pair& pair, double expected_distance_m,
-                                                                         FrameResult& result, const Frame& frame,
-                                                                         const Image& road_mask) {
+                                                                         FrameResult& result, const Frame& frame) {
   RoadWarp warp = expected_warp(pair, expected_distance_m);
   const auto region_of = [&](const RoadWarp& expected) {
     const Image strip = region_mask(path_of(expected), expected.road_in_cam1, *camera_, options_.road.region);
-    return strip.empty() ? strip : intersect_masks(intersect_masks(strip, tracking_mask_), road_mask);
+    return strip.empty() ? strip : intersect_masks(intersect_masks(strip, tracking_mask_), pair.partner->road_mask);
   };
   Image region = region_of(warp);
   if (needs_search()) {

@@ -47,7 +47,9 @@ class PairwiseOdometry {
   /// @return kBadInput where no road is in view with the camera so mounted, or options are out of range.
   static Result<PairwiseOdometry> create(const CameraSetup& setup, const OdometryOptions& options);
 
-  /// Takes the next frame. @param road_mask  0 where a detector saw no road; empty: no detector.
+  /// Takes the next frame.
+  /// @param road_mask  Of this frame's size: 0 where a detector saw no road; empty: no detector. It counts where the
+  ///                   frame is the earlier one of a pair, in whose image the road region lies.
   const FrameResult& advance(const Frame& frame, const Image& road_mask = {});
 
   /// After the last frame: steps from the whole drive.
@@ -78,11 +80,11 @@ class PairwiseOdometry {
   const FrameResult& bridge(FrameResult result, std::string reason, const Frame& frame);
   const FrameResult& stand(FrameResult result, const Frame& frame);
   const FrameResult& rotate(FrameResult result, const Pair& pair, const Frame& frame);
-  const FrameResult& move(FrameResult result, Pair pair, const Frame& frame, const Image& road_mask);
+  const FrameResult& move(FrameResult result, Pair pair, const Frame& frame);
 
   double step_from_structure(const Pair& pair, const FrameResult& link, GroundStep& step) const;
   std::optional<Measured> measure_road(const Pair& pair, double expected_distance_m, FrameResult& result,
-                                       const Frame& frame, const Image& road_mask);
+                                       const Frame& frame);
   Result<PlaneMeasurement> measure_plane(const Pair& pair, const RoadWarp& warp);
   DrivenPath path_of(const RoadWarp& warp) const;
   RoadWarp expected_warp(const Pair& pair, double expected_distance_m) const;
@@ -111,6 +113,7 @@ class PairwiseOdometry {
   std::vector<StructurePoint> structure_;
   std::optional<RigidTransform> last_motion_;  ///< Unit translation, of the last moving pair.
   Matches road_matches_;                       ///< Of the present frame, after the last pass.
+  Image road_mask_;                            ///< Of the present frame.
   FrameDetails details_;
   StageClock clock_;
   bool scaled_ = false;

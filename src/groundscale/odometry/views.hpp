@@ -17,6 +17,7 @@ struct View {
   double time_s = 0.0;
   std::vector<TrackPoint> points;
   RoadView road;
+  Image road_mask;  ///< Of this image: 0 where a detector saw no road; empty: no detector.
 };
 
 /// A frame and the earlier one that it is measured against.
