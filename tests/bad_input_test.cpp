@@ -227,6 +227,18 @@ std::vector<Row> refused_rows() {
          const std::string truth = s.write("truth.txt", SyntheticDrive().truth(5));
          return run_program({"evaluate", s.write("estimate.txt", SyntheticDrive().truth(kFrames)), "--truth", truth});
        }},
+      {"truth with fewer rows than frames, given to run", 2, "5 rows, but the last frame is 11",
+       [](const Setting& s) {
+         return s.run({"--truth", s.write("truth.txt", SyntheticDrive().truth(5))});
+       }},
+      {"truth that is missing, given to run", 2, "can't be opened: No such file or directory",
+       [](const Setting& s) {
+         return s.run({"--truth", s.path("nowhere.txt")});
+       }},
+      {"no source", 2, "SOURCE is missing",
+       [](const Setting& s) {
+         return run_program({"run", "--output", s.output()});
+       }},
       {"folder of road masks missing", 2, "no such folder",
        [](const Setting& s) {
          return s.run({"--road-masks", s.path("nowhere")});
@@ -518,6 +530,7 @@ TEST(BadInput, EveryRowStandsInTheDocs) {
   }
   rows.push_back({"video that ends early", 0, "the video ends early", nullptr});
   rows.push_back({"video whose first frame can't be decoded", 1, "the first asked for, can't be decoded", nullptr});
+  rows.push_back({"truth that stands still, given to run", 1, "is whole, but can't be evaluated", nullptr});
   rows.push_back({"disk full in the middle", 1, "can't be written", nullptr});
   for (const Row& row : rows) {
     const std::string begin = fmt::format("| {} | {} | ", row.name, row.status);

@@ -15,11 +15,15 @@
 
 #include "commands.hpp"
 #include "groundscale/estimation/robust.hpp"
+#include "groundscale/evaluation/evaluate.hpp"
+#include "groundscale/evaluation/figures.hpp"
+#include "groundscale/evaluation/pairing.hpp"
 #include "groundscale/io/camera_file.hpp"
 #include "groundscale/io/config.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/road_masks.hpp"
 #include "groundscale/io/sequence.hpp"
+#include "groundscale/io/trajectory_file.hpp"
 #include "groundscale/odometry/pairwise.hpp"
 #include "groundscale/odometry/run_source.hpp"
 #include "groundscale/odometry/run_writer.hpp"
@@ -36,6 +40,7 @@ struct RunArguments {
   std::string output;
   std::string config_file;
   std::string overlay_folder;
+  std::string truth;
   std::vector<std::string> assignments;
   std::optional<int> seed;
   bool force = false;
@@ -225,6 +230,33 @@ Result<std::optional<RoadMasks>> open_masks(const std::string& folder, const Seq
   return std::optional<RoadMasks>(std::move(*masks));
 }
 
+/// Found out before the work: a truth of all frames.
+Result<void> check_truth(const std::string& path, const Sequence& sequence) {
+  if (path.empty()) return {};
+  const auto truth = read_trajectory(path);
+  if (!truth) return Error{ErrorCode::kBadInput, "--truth " + truth.error().message};
+  const int needed = sequence.first_frame() + sequence.frame_count();
+  if (truth->size() >= needed) return {};
+  return Error{ErrorCode::kBadInput, fmt::format("--truth {}: {} rows, but the last frame is {}: it must have at least "
+                                                 "{} rows",
+                                                 path, truth->size(), needed - 1, needed)};
+}
+
+/// The same table as `groundscale evaluate` prints.
+Result<void> print_evaluation(const std::string& output, const std::string& truth) {
+  // By now all is written: a failure is none of the input's.
+  const auto failed = [&output](const Error& error) {
+    return Error{ErrorCode::kIo, fmt::format("{} is whole, but can't be evaluated: {}", output, error.message)};
+  };
+  const PairingRequest request{.estimate = output, .truth = truth};
+  const auto paired = pair_drive(request);
+  if (!paired) return failed(paired.error());
+  const auto evaluation = evaluate(*paired, kitti_lengths_m());
+  if (!evaluation) return failed(evaluation.error());
+  fmt::print("\n{}", evaluation_table(request, *paired, *evaluation));
+  return {};
+}
+
 /// For config.yaml: what was left to be found is filled in.
 std::string config_in_force(RunConfig config, const Sequence& sequence, const RunSummary& summary) {
   config.run.camera = summary.camera_from;
@@ -248,6 +280,7 @@ Result<void> run(const RunArguments& arguments) {
   }
   auto setup = read_camera(arguments, source, **sequence, summary);
   if (!setup) return setup.error();
+  if (const auto fits = check_truth(arguments.truth, **sequence); !fits) return fits;
   const auto masks = open_masks(source.road_masks, **sequence);
   if (!masks) return masks.error();
   auto odometry = PairwiseOdometry::create(*setup, config->odometry);
@@ -272,7 +305,7 @@ Result<void> run(const RunArguments& arguments) {
   }
   for (const std::string& warning : summary.warnings) fmt::print(stderr, "groundscale: warning: {}\n", warning);
   print_summary(summary, arguments.output);
-  return {};
+  return arguments.truth.empty() ? Result<void>() : print_evaluation(arguments.output, arguments.truth);
 }
 
 }  // namespace
@@ -290,6 +323,7 @@ void add_run(CLI::App& app, int& exit_status) {
   command->add_option("--set", arguments->assignments, "KEY=VALUE of the configuration")->expected(1)->take_all();
   command->add_option("--road-masks", arguments->road_masks, "Folder with an image a frame, 0 = not road");
   command->add_option("--overlay", arguments->overlay_folder, "Folder for pictures of what was measured in each frame");
+  command->add_option("--truth", arguments->truth, "True trajectory; the result is compared with it at the end");
   command->add_option("--start", arguments->start, "First frame")->check(CLI::NonNegativeNumber);
   command->add_option("--frames", arguments->frames, "At most so many frames")->check(CLI::PositiveNumber);
   command->add_option("--seed", arguments->seed, "Of all random draws")->check(CLI::NonNegativeNumber);
