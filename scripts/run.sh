@@ -17,18 +17,14 @@ if [ ! -e "$source" ]; then
   exit 2
 fi
 
-output=
-previous=
+output_given=
 for argument in "$@"; do
-  [ "$previous" = --output ] && output=$argument
-  case "$argument" in --output=*) output=${argument#--output=} ;; esac
-  previous=$argument
+  case "$argument" in --output | --output=*) output_given=yes ;; esac
 done
-if [ -z "$output" ]; then
+if [ -z "$output_given" ]; then
   name=$(basename "$(realpath "$source")")
   [ -d "$source" ] || name=${name%.*}
-  output=groundscale-out/$name
-  set -- --output "$output" "$@"
+  set -- --output "groundscale-out/$name" "$@"
 fi
 
 "$root/scripts/setup.sh"
@@ -36,5 +32,5 @@ mkdir -p "$root/build"
 cmake -S "$root" --preset release >"$root/build/configure.log" 2>&1 || { cat "$root/build/configure.log" >&2; exit 1; }
 cmake --build "$root/build/release" --target groundscale_program --parallel "$(nproc)" >&2
 
-"$root/build/release/apps/groundscale/groundscale" run "$source" "$@"
-echo "trajectory: $output/trajectory.kitti, $output/trajectory.tum (world_from_cam, metres)"
+# Its summary ends with where the trajectory lies.
+exec "$root/build/release/apps/groundscale/groundscale" run "$source" "$@"
