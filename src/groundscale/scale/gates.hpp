@@ -19,7 +19,7 @@ struct GateOptions {
   double min_width_m = 0.5;              ///< Spread of the inliers across the path (5 to 95 %).
   double min_speed_mps = 0.5;
   double max_acceleration_mps2 = 6.0;  ///< What a road vehicle can do.
-  double max_step_sd = 0.1;           ///< Formal sd of log step, enlarged as the filter does.
+  double max_step_sd = 0.1;            ///< Formal sd of log step, enlarged as the filter does.
 };
 
 void visit_fields(GateOptions& options, FieldVisitor& visitor);
