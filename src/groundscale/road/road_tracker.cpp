@@ -102,7 +102,7 @@ cv::Rect area_of(const std::vector<TrackPoint>& points, const Image& image, int 
 class RegionCorrelation {
  public:
   RegionCorrelation(const Image& first, const Image& second, const Image& mask, const Camera& camera)
-      : second_(view_of(second)), camera_(camera) {
+      : camera_(camera) {
     // Smoothed, so that a search in steps of a few per cent can't miss.
     cv::Mat smooth;
     cv::boxFilter(view_of(first), smooth, -1, {kSmoothPx, kSmoothPx});

@@ -113,6 +113,15 @@ TEST(SearchWarp, FindsTheStepWithinOneOfItsOwn) {
   EXPECT_DOUBLE_EQ(found.warp.road_in_cam1.height, kRoad.height);
 }
 
+TEST(SearchWarp, LeavesTheImagesAsTheyAre) {
+  const Views views = render();
+  const Views same = render();
+  const Image mask = region_mask({Eigen::Vector3d::UnitZ(), 0.0}, kRoad, *camera(), {});
+  search_warp(views.first, views.second, mask, kMotion, kRoad, *camera(), {});
+  EXPECT_TRUE(std::equal(same.first.data(), same.first.data() + 480 * 240, views.first.data()));
+  EXPECT_TRUE(std::equal(same.second.data(), same.second.data() + 480 * 240, views.second.data()));
+}
+
 TEST(SearchWarp, WithoutARegionOrTextureFindsNothing) {
   const Views views = render();
   EXPECT_EQ(search_warp(views.first, views.second, {}, kMotion, kRoad, *camera(), {}).correlation, -1.0);
