@@ -1,0 +1,115 @@
+#include "groundscale/odometry/pairwise.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "groundscale/camera/pinhole.hpp"
+#include "synthetic_drive.hpp"
+
+namespace groundscale {
+namespace {
+
+constexpr int kFrames = 14;
+
+/// Rendered once for all tests of this file.
+const std::vector<Image>& street() {
+  static const std::vector<Image> images = [] {
+    const SyntheticDrive drive;
+    std::vector<Image> rendered;
+    for (int k = 0; k < kFrames; ++k) rendered.push_back(drive.render(drive.step_m * k));
+    return rendered;
+  }();
+  return images;
+}
+
+PairwiseOdometry run(const std::vector<Image>& images) {
+  const SyntheticDrive drive;
+  CameraSetup setup;
+  setup.camera = *PinholeCamera::create(
+      {.fx = drive.focal_px, .fy = drive.focal_px, .cx = drive.cx(), .cy = drive.cy()}, drive.width, drive.height);
+  setup.height_m = drive.camera_height_m;
+  auto odometry = PairwiseOdometry::create(setup, OdometryOptions{});
+  GS_CHECK(odometry.has_value(), "the street is in view");
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    Frame frame;
+    frame.index = static_cast<int>(k);
+    frame.time_s = 0.1 * static_cast<double>(k);
+    frame.image = images[k];
+    if (frame.image.empty()) frame.problem = "unreadable";
+    odometry->advance(frame);
+  }
+  odometry->finish();
+  return std::move(*odometry);
+}
+
+void expect_numbers_everywhere(const PairwiseOdometry& odometry) {
+  const auto finals = odometry.final_poses();
+  ASSERT_EQ(finals.size(), odometry.results().size());
+  for (std::size_t k = 0; k < finals.size(); ++k) {
+    const FrameResult& result = odometry.results()[k];
+    EXPECT_TRUE(finals[k].rotation.allFinite() && finals[k].translation.allFinite()) << k;
+    EXPECT_TRUE(odometry.online_poses()[k].translation.allFinite()) << k;
+    EXPECT_TRUE(std::isfinite(result.step_m) && std::isfinite(result.online_step_m)) << k;
+    EXPECT_TRUE(std::isfinite(result.step_sd) && std::isfinite(result.raw_over_online.value_or(0.0))) << k;
+  }
+}
+
+TEST(PairwiseOdometry, FindsTheStepOfAStreetInMetres) {
+  const PairwiseOdometry odometry = run(street());
+  expect_numbers_everywhere(odometry);
+  EXPECT_TRUE(odometry.scaled());
+  std::vector<double> steps;
+  for (const FrameResult& result : odometry.results()) {
+    if (result.state == FrameState::kMoving) steps.push_back(result.step_m);
+  }
+  ASSERT_EQ(steps.size(), kFrames - 1U);
+  std::sort(steps.begin(), steps.end());
+  // A single measurement on an exact plane is within about 2 %; the smoothed median of 13 is better.
+  EXPECT_NEAR(steps[steps.size() / 2] / SyntheticDrive{}.step_m, 1.0, 0.015);
+}
+
+TEST(PairwiseOdometry, StandsStillOnIdenticalFrames) {
+  const PairwiseOdometry odometry = run(std::vector<Image>(4, street().front()));
+  expect_numbers_everywhere(odometry);
+  for (const FrameResult& result : odometry.results()) EXPECT_EQ(result.state, FrameState::kStill);
+  EXPECT_TRUE(odometry.final_poses().back().translation.isZero());
+}
+
+TEST(PairwiseOdometry, StandsStillOnBlackFrames) {
+  const SyntheticDrive drive;
+  const PairwiseOdometry odometry = run(std::vector<Image>(4, Image(drive.width, drive.height)));
+  expect_numbers_everywhere(odometry);
+  for (const FrameResult& result : odometry.results()) EXPECT_EQ(result.state, FrameState::kStill);
+}
+
+TEST(PairwiseOdometry, BridgesAnUnreadableFrameAndGoesOn) {
+  std::vector<Image> images = street();
+  images[8] = {};
+  const PairwiseOdometry odometry = run(images);
+  expect_numbers_everywhere(odometry);
+  EXPECT_EQ(odometry.results()[8].state, FrameState::kBridged);
+  EXPECT_EQ(odometry.results()[8].reason, "unreadable");
+  for (const std::size_t k : {7U, 9U, 10U, 11U}) EXPECT_EQ(odometry.results()[k].state, FrameState::kMoving) << k;
+  const auto poses = odometry.final_poses();
+  // Constant velocity is the truth here, so a gap costs no more than the scale does: 5 % is three sd of one
+  // measurement.
+  EXPECT_NEAR((poses[11].translation - poses[7].translation).norm(), 4.0 * SyntheticDrive{}.step_m,
+              0.05 * 4.0 * SyntheticDrive{}.step_m);
+}
+
+TEST(PairwiseOdometry, IsTheSameToTheLastBitWhenRunAgain) {
+  const PairwiseOdometry a = run(street());
+  const PairwiseOdometry b = run(street());
+  const auto poses_a = a.final_poses();
+  const auto poses_b = b.final_poses();
+  for (std::size_t k = 0; k < poses_a.size(); ++k) {
+    EXPECT_EQ(poses_a[k].rotation, poses_b[k].rotation) << k;
+    EXPECT_EQ(poses_a[k].translation, poses_b[k].translation) << k;
+    EXPECT_EQ(a.online_poses()[k].translation, b.online_poses()[k].translation) << k;
+  }
+}
+
+}  // namespace
+}  // namespace groundscale
