@@ -39,7 +39,8 @@ struct SyntheticDrive {
         double sum = 0.0;
         for (int k = 0; k < kSamples * kSamples; ++k) {
           const double u = x + (k % kSamples + 0.5) / kSamples - 0.5;
-          const double v = y + (k / kSamples + 0.5) / kSamples - 0.5;
+          const int row = k / kSamples;
+          const double v = y + (row + 0.5) / kSamples - 0.5;
           sum += seen(u, v, travelled_m);
         }
         const double grey = std::clamp(sum / (kSamples * kSamples), 0.0, 255.0);
