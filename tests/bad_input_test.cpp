@@ -1,8 +1,5 @@
 // docs/bad-input.md as tests: every row runs the program on a small drive made here, spoilt in one way.
 
-#include <sys/resource.h>
-
-#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -16,6 +13,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "groundscale/io/file_size_limit_internal.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/image_file.hpp"
 #include "groundscale/io/temp_folder_internal.hpp"
@@ -27,6 +25,7 @@ namespace groundscale {
 namespace {
 
 namespace fs = std::filesystem;
+using internal::FileSizeLimit;
 using internal::TempFolder;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -468,28 +467,6 @@ TEST(BadInput, AVideoWhoseFirstFrameCanNotBeDecodedEndsWithOne) {
   EXPECT_THAT(run.err, HasSubstr("the first asked for, can't be decoded"));
   EXPECT_FALSE(fs::exists(setting.output()));
 }
-
-/// While it lives, no file of this process and its children may grow beyond so many bytes: a full disk, but for the
-/// system's wording.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    old_handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &old_);
-    const rlimit limit{bytes, old_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &old_);
-    std::signal(SIGXFSZ, old_handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit old_{};
-  void (*old_handler_)(int) = nullptr;
-};
 
 TEST(BadInput, ADiskThatIsFullInTheMiddleEndsWithOneAndLeavesWholeRows) {
   const Setting setting;

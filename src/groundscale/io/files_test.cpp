@@ -1,41 +1,20 @@
 #include "groundscale/io/files.hpp"
 
-#include <csignal>
 #include <filesystem>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
+#include "groundscale/io/file_size_limit_internal.hpp"
 #include "groundscale/io/temp_folder_internal.hpp"
 
 namespace groundscale {
 namespace {
 
+using internal::FileSizeLimit;
 using internal::TempFolder;
 using testing::HasSubstr;
-
-/// While it lives, files of this process can't grow beyond so many bytes: as a full disk, but for the reason.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    old_handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &old_);
-    const rlimit limit{bytes, old_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &old_);
-    std::signal(SIGXFSZ, old_handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit old_{};
-  void (*old_handler_)(int) = nullptr;
-};
 
 TEST(Files, TextReadsBackByteForByteAndNothingLiesBeside) {
   const TempFolder folder;

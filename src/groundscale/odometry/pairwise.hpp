@@ -82,7 +82,7 @@ class PairwiseOdometry {
   const FrameResult& rotate(FrameResult result, const Pair& pair, const Frame& frame);
   const FrameResult& move(FrameResult result, Pair pair, const Frame& frame);
 
-  double step_from_structure(const Pair& pair, const FrameResult& link, GroundStep& step) const;
+  double step_from_structure(const Pair& pair, GroundStep& step) const;
   std::optional<Measured> measure_road(const Pair& pair, double expected_distance_m, FrameResult& result,
                                        const Frame& frame);
   Result<PlaneMeasurement> measure_plane(const Pair& pair, const RoadWarp& warp);
@@ -94,6 +94,9 @@ class PairwiseOdometry {
   void take_scale(double distance_m, double provisional_distance);
   GroundStep step_of(const Pair& pair, double dt_s) const;
   double lead_of(const Pair& pair) const;
+  double time_since_last(const Frame& frame) const;
+  /// Sd of the log of a measured distance: the formal one, enlarged as the filter does.
+  double enlarged_log_sd(const GroundObservation& observation) const;
   void remember_view(const Frame& frame, int result_index);
 
   CameraPtr camera_;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "groundscale/camera/mounting.hpp"
 #include "groundscale/core/options.hpp"
 #include "groundscale/geometry/ground_plane.hpp"
 
@@ -49,6 +50,9 @@ struct GroundState {
   double mean_pitch_rad = 0.0, mean_roll_rad = 0.0;  ///< Of the mounting.
   double speed_mps = 0.0;
   double log_speed_sd = 0.0;
+
+  /// Of the road now, a unit vector.
+  Eigen::Vector3d normal_in_cam() const { return Mounting{pitch_rad, roll_rad, 0.0}.normal_in_cam(); }
 };
 
 /// How the vehicle went on since the frame before.
