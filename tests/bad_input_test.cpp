@@ -121,7 +121,8 @@ Image all_road() {
   return mask;
 }
 
-std::vector<Row> refused_rows() {
+/// What is wrong with the images.
+std::vector<Row> source_rows() {
   return {
       {"missing folder", 2, "no such folder or file", [](const Setting& s) { return s.run_source(s.path("nowhere")); }},
       {"empty folder", 2, "holds no images",
@@ -136,6 +137,12 @@ std::vector<Row> refused_rows() {
          s.write("drive/image_0/000000.png", "words");
          return s.run();
        }},
+  };
+}
+
+/// What is wrong with the camera or its height.
+std::vector<Row> camera_rows() {
+  return {
       {"no calibration", 2, "no calibration",
        [](const Setting& s) {
          fs::remove(s.path("drive/calib.txt"));
@@ -203,6 +210,17 @@ std::vector<Row> refused_rows() {
          s.write_camera("height_m: 0\n");
          return s.run();
        }},
+      {"no road in view", 2, "no road is in view",
+       [](const Setting& s) {
+         s.write_camera("pitch_deg: -60\nroll_deg: 0\nyaw_deg: 0\n");
+         return s.run();
+       }},
+  };
+}
+
+/// What is wrong with times, truth or road masks.
+std::vector<Row> frame_rows() {
+  return {
       {"fewer than two frames", 2, "at least 2 are needed",
        [](const Setting& s) {
          return s.run({"--frames", "1"});
@@ -234,10 +252,6 @@ std::vector<Row> refused_rows() {
        [](const Setting& s) {
          return s.run({"--truth", s.path("nowhere.txt")});
        }},
-      {"no source", 2, "SOURCE is missing",
-       [](const Setting& s) {
-         return run_program({"run", "--output", s.output()});
-       }},
       {"folder of road masks missing", 2, "no such folder",
        [](const Setting& s) {
          return s.run({"--road-masks", s.path("nowhere")});
@@ -252,6 +266,16 @@ std::vector<Row> refused_rows() {
          fs::create_directory(s.path("masks"));
          for (int k = 0; k < kFrames; ++k) write_mask(s, k, Image(600, 240));
          return s.run({"--road-masks", s.path("masks")});
+       }},
+  };
+}
+
+/// What is wrong with the command, the configuration or the output.
+std::vector<Row> command_rows() {
+  return {
+      {"no source", 2, "SOURCE is missing",
+       [](const Setting& s) {
+         return run_program({"run", "--output", s.output()});
        }},
       {"output that exists, without --force", 2, "--force overwrites it",
        [](const Setting& s) {
@@ -275,14 +299,16 @@ std::vector<Row> refused_rows() {
        [](const Setting& s) {
          return s.run({"--config", s.write("my.yaml", "road: [\n")});
        }},
-      {"no road in view", 2, "no road is in view",
-       [](const Setting& s) {
-         s.write_camera("pitch_deg: -60\nroll_deg: 0\nyaw_deg: 0\n");
-         return s.run();
-       }},
       {"unknown option or command", 2, "Run with --help for more information",
        [](const Setting& s) { return s.run({"--no-such-option"}); }},
   };
+}
+
+std::vector<Row> refused_rows() {
+  std::vector<Row> all = source_rows();
+  for (const auto& rows : {camera_rows(), frame_rows(), command_rows()})
+    all.insert(all.end(), rows.begin(), rows.end());
+  return all;
 }
 
 class Refused : public testing::TestWithParam<Row> {};

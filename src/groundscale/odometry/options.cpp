@@ -56,6 +56,7 @@ void visit_fields(GroundOptions& options, FieldVisitor& visitor) {
 void visit_fields(RoadOptions& options, FieldVisitor& visitor) {
   visitor.group("region", options.region);
   visitor.group("tracking", options.tracking);
+  visitor.group("search", options.search);
 }
 
 void visit_fields(OdometryOptions& options, FieldVisitor& visitor) {

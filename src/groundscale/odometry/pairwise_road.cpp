@@ -77,8 +77,8 @@ std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const P
   };
   Image region = region_of(warp);
   if (needs_search()) {
-    const WarpSearch found = search_warp(pair.partner->road.image, frame.image, region, pair.motion.cam2_from_cam1,
-                                         warp.road_in_cam1, *camera_, options_.road.search);
+    const WarpSearch found =
+        search_warp(pair.partner->road.image, frame.image, region, warp, *camera_, options_.road.search);
     constexpr double kMinCorrelation = 0.3;
     if (found.correlation > kMinCorrelation) {
       warp = found.warp;

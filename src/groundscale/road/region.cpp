@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <Eigen/Geometry>
@@ -15,7 +14,6 @@
 namespace groundscale {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kShift = 4;  // fillPoly's fractional bits
 
 cv::Point fixed_point(const Eigen::Vector2d& pixel) {

@@ -196,6 +196,19 @@ void visit_fields(RoadTrackingOptions& options, FieldVisitor& visitor) {
                 options.klt.max_round_trip_px);
 }
 
+void visit_fields(WarpSearchOptions& options, FieldVisitor& visitor) {
+  visitor.field({.key = "min_step_m", .unit = "m", .help = "shortest distance tried", .min = 0.01, .max = 100},
+                options.min_step_m);
+  visitor.field({.key = "max_step_m", .unit = "m", .help = "longest distance tried", .min = 0.01, .max = 100},
+                options.max_step_m);
+  visitor.field({.key = "max_pitch_change_deg",
+                 .unit = "deg",
+                 .help = "the road's pitch is tried up to so far from what is expected",
+                 .min = 0,
+                 .max = 20},
+                options.max_pitch_change_deg);
+}
+
 Matches track_on_road(const Image& first, const Image& second, const std::vector<TrackPoint>& points,
                       const RoadWarp& warp, const Camera& camera, const KltOptions& options) {
   if (points.empty()) return {};
@@ -216,23 +229,23 @@ Matches track_on_road(const Image& first, const Image& second, const std::vector
   return matches;
 }
 
-WarpSearch search_warp(const Image& first, const Image& second, const Image& mask, const RigidTransform& motion,
-                       const GroundPlane& metric_road, const Camera& camera, const WarpSearchOptions& options) {
+WarpSearch search_warp(const Image& first, const Image& second, const Image& mask, const RoadWarp& guess,
+                       const Camera& camera, const WarpSearchOptions& options) {
   WarpSearch best;
   best.correlation = -1.0;
   if (mask.empty()) return best;
   const RegionCorrelation correlation(first, second, mask, camera);
   constexpr double kStepFactor = 1.06;
   constexpr int kPitches = 5;
-  const Eigen::Vector3d direction = motion.translation.normalized();
+  const Eigen::Vector3d direction = guess.cam2_from_cam1.translation.normalized();
   // Pitch is a turn about the axis across the direction of travel.
-  const Eigen::Vector3d across = metric_road.normal_in_cam.cross(direction).normalized();
+  const Eigen::Vector3d across = guess.road_in_cam1.normal_in_cam.cross(direction).normalized();
   for (int k = 0; k < kPitches; ++k) {
     const double share = 2.0 * k / (kPitches - 1) - 1.0;
     const double turn = share * options.max_pitch_change_deg * std::numbers::pi / 180.0;
-    const GroundPlane road{exp_so3(turn * across) * metric_road.normal_in_cam, metric_road.height};
+    const GroundPlane road{exp_so3(turn * across) * guess.road_in_cam1.normal_in_cam, guess.road_in_cam1.height};
     for (double step = options.min_step_m; step <= options.max_step_m; step *= kStepFactor) {
-      const RoadWarp warp{{motion.rotation, step * direction}, road};
+      const RoadWarp warp{{guess.cam2_from_cam1.rotation, step * direction}, road};
       const double value = correlation.of(homography_of_plane(road, warp.cam2_from_cam1));
       if (value > best.correlation) best = {warp, value};
     }

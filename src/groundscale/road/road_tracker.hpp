@@ -36,19 +36,24 @@ struct RoadWarp {
 Matches track_on_road(const Image& first, const Image& second, const std::vector<TrackPoint>& points,
                       const RoadWarp& warp, const Camera& camera, const KltOptions& options);
 
-/// The step (|t| of the result over |t| of `motion`) and pitch with which the warped region of the second image
-/// correlates best with the first one (zero-mean normalised correlation).
-/// @param mask  The region in the first image.
 struct WarpSearch {
   RoadWarp warp;             ///< cam2_from_cam1 in metres, road at the camera's height.
-  double correlation = 0.0;  ///< -1 to 1.
+  double correlation = 0.0;  ///< -1 to 1; -1 where nothing could be compared.
 };
+
 struct WarpSearchOptions {
   double min_step_m = 0.15;
   double max_step_m = 3.2;
   double max_pitch_change_deg = 2.0;
 };
-WarpSearch search_warp(const Image& first, const Image& second, const Image& mask, const RigidTransform& motion,
-                       const GroundPlane& metric_road, const Camera& camera, const WarpSearchOptions& options);
+
+void visit_fields(WarpSearchOptions& options, FieldVisitor& visitor);
+
+/// The step and pitch with which the warped region of the second image correlates best with the first one (zero-mean
+/// normalised correlation).
+/// @param mask  The region in the first image.
+/// @param guess  Road in metres; of the motion rotation and direction are used, its length is what is looked for.
+WarpSearch search_warp(const Image& first, const Image& second, const Image& mask, const RoadWarp& guess,
+                       const Camera& camera, const WarpSearchOptions& options);
 
 }  // namespace groundscale

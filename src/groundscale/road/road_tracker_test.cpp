@@ -106,7 +106,7 @@ TEST(SearchWarp, FindsTheStepWithinOneOfItsOwn) {
   const Image mask = region_mask({Eigen::Vector3d::UnitZ(), 0.0}, kRoad, *camera(), {});
   RigidTransform unit = kMotion;
   unit.translation.normalize();
-  const WarpSearch found = search_warp(views.first, views.second, mask, unit, kRoad, *camera(), {});
+  const WarpSearch found = search_warp(views.first, views.second, mask, {unit, kRoad}, *camera(), {});
   // Steps are tried 6 % apart.
   EXPECT_NEAR(found.warp.cam2_from_cam1.translation.norm() / kMotion.translation.norm(), 1.0, 0.06);
   EXPECT_GT(found.correlation, 0.8);
@@ -117,17 +117,17 @@ TEST(SearchWarp, LeavesTheImagesAsTheyAre) {
   const Views views = render();
   const Views same = render();
   const Image mask = region_mask({Eigen::Vector3d::UnitZ(), 0.0}, kRoad, *camera(), {});
-  search_warp(views.first, views.second, mask, kMotion, kRoad, *camera(), {});
+  search_warp(views.first, views.second, mask, {kMotion, kRoad}, *camera(), {});
   EXPECT_TRUE(std::equal(same.first.data(), same.first.data() + 480 * 240, views.first.data()));
   EXPECT_TRUE(std::equal(same.second.data(), same.second.data() + 480 * 240, views.second.data()));
 }
 
 TEST(SearchWarp, WithoutARegionOrTextureFindsNothing) {
   const Views views = render();
-  EXPECT_EQ(search_warp(views.first, views.second, {}, kMotion, kRoad, *camera(), {}).correlation, -1.0);
+  EXPECT_EQ(search_warp(views.first, views.second, {}, {kMotion, kRoad}, *camera(), {}).correlation, -1.0);
   const Image mask = region_mask({Eigen::Vector3d::UnitZ(), 0.0}, kRoad, *camera(), {});
   const Image black(480, 240);
-  EXPECT_EQ(search_warp(black, black, mask, kMotion, kRoad, *camera(), {}).correlation, -1.0);
+  EXPECT_EQ(search_warp(black, black, mask, {kMotion, kRoad}, *camera(), {}).correlation, -1.0);
 }
 
 }  // namespace
