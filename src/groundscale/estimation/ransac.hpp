@@ -21,7 +21,8 @@ struct RansacOptions {
 
 void visit_fields(RansacOptions& options, FieldVisitor& visitor);
 
-/// What a RANSAC loop needs to know: how many items there are, how to make models of a sample, how far items are away.
+/// What a RANSAC loop needs to know: how many items there are, how to make models of a sample, how far items are away
+/// (of either sign).
 template <class P>
 concept RansacProblem = requires(const P& problem, std::span<const int> sample, const typename P::Model& model,
                                  int item) {
@@ -44,7 +45,7 @@ template <RansacProblem P>
 std::vector<int> inliers_of(const P& problem, const typename P::Model& model) {
   std::vector<int> inliers;
   for (int i = 0; i < problem.count(); ++i) {
-    if (problem.error(model, i) <= problem.max_error()) inliers.push_back(i);
+    if (std::abs(problem.error(model, i)) <= problem.max_error()) inliers.push_back(i);
   }
   return inliers;
 }

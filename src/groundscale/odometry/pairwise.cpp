@@ -308,6 +308,7 @@ void PairwiseOdometry::take_scale(double distance_m, double provisional_distance
 
 void PairwiseOdometry::finish() {
   const std::vector<GroundState> states = filter_->smoothed();
+  std::optional<std::size_t> first;
   for (std::size_t k = 0; k < results_.size(); ++k) {
     FrameResult& result = results_[k];
     result.step_m = result.online_step_m;
@@ -316,7 +317,12 @@ void PairwiseOdometry::finish() {
     const double dt = std::max(kMinStepTimeS, result.time_s - results_[k - 1].time_s);
     result.step_m = states[k].speed_mps * dt;
     result.step_sd = states[k].log_speed_sd;
+    if (!first) first = k;
   }
+  // Steps from before the first measurement hang together with its own step: they follow it.
+  if (!first) return;
+  const double factor = results_[*first].step_m / results_[*first].online_step_m;
+  for (std::size_t k = 0; k < *first; ++k) results_[k].step_m *= factor;
 }
 
 std::vector<RigidTransform> PairwiseOdometry::final_poses() const {
