@@ -17,7 +17,7 @@ struct RoadTrackingOptions {
   int rough_points = 250;  ///< Followed through the predicted warp, to find a better one.
   int fine_levels = 1;     ///< Reductions of the image through the better warp.
   DetectOptions detect{.cell_px = 8, .min_gradient = 0.5, .reduction = 1, .border_px = 8};
-  KltOptions klt{.window_px = 15, .levels = 2, .max_iterations = 15, .min_step_px = 0.01, .max_round_trip_px = 0.3};
+  KltOptions klt{.window_px = 16, .levels = 2, .max_iterations = 15, .min_step_px = 0.01, .max_round_trip_px = 0.3};
 };
 
 void visit_fields(RoadTrackingOptions& options, FieldVisitor& visitor);

@@ -10,8 +10,8 @@
 namespace groundscale {
 
 struct KltOptions {
-  int window_px = 15;
-  int levels = 4;  ///< Reductions used, at most those of the pyramid.
+  int window_px = 16;  ///< OpenCV adds up eight pixels at a time: 16 costs two thirds of 15.
+  int levels = 4;      ///< Reductions used, at most those of the pyramid.
   int max_iterations = 20;
   double min_step_px = 0.02;       ///< An iteration ends where its step is smaller.
   double max_round_trip_px = 0.5;  ///< Forward-backward check (Kalal et al. 2010).
