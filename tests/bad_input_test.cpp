@@ -187,9 +187,9 @@ std::vector<Row> camera_rows() {
          s.write_camera("heigth_m: 1.65\n");
          return s.run();
        }},
-      {"camera model that isn't supported", 2, "is not supported yet, known: pinhole",
+      {"unknown camera model", 2, "is no camera model, known: pinhole, kannala_brandt, ocam",
        [](const Setting& s) {
-         s.write("drive/camera.yaml", "model: ocam\n");
+         s.write("drive/camera.yaml", "model: mei\n");
          return s.run();
        }},
       {"no camera height", 2, "the camera height is missing",

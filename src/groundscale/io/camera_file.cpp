@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "groundscale/camera/pinhole.hpp"
+#include "groundscale/io/camera_models_internal.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/image_file.hpp"
 #include "groundscale/io/text_internal.hpp"
@@ -20,16 +21,10 @@ namespace groundscale {
 namespace {
 
 using internal::bad_input;
+using Size = internal::ImageSize;
 using internal::YamlPlace;
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-/// Models that have a place in the format but no implementation yet.
-constexpr std::string_view kPlannedModels[] = {"kannala_brandt", "ocam"};
-
-struct Size {
-  int width = 0;
-  int height = 0;
-};
 
 /// The size that the file states, checked against the images'; else the images'.
 Result<Size> read_size(const YamlPlace& file, const Size& images) {
@@ -54,50 +49,18 @@ Result<Size> read_size(const YamlPlace& file, const Size& images) {
   return size;
 }
 
-using NamedTarget = std::pair<const char*, double*>;
-
-Result<void> read_number(const YamlPlace& map, const NamedTarget& target, bool required) {
-  if (!map.has(target.first)) {
-    if (!required) return {};
-    return map.error(fmt::format("{} is missing: a number is needed", target.first));
+Result<const internal::CameraModelFormat*> find_model(const YamlPlace& file) {
+  std::string known;
+  for (const internal::CameraModelFormat& format : internal::camera_model_formats()) {
+    known += (known.empty() ? "" : ", ") + std::string(format.name);
   }
-  const Result<double> number = internal::number_of(map.child(target.first));
-  if (!number) return number.error();
-  *target.second = *number;
-  return {};
-}
-
-Result<CameraPtr> read_pinhole(const YamlPlace& file, const Size& size) {
-  PinholeParameters p;
-  for (const NamedTarget& target : {NamedTarget{"fx", &p.fx}, {"fy", &p.fy}, {"cx", &p.cx}, {"cy", &p.cy}}) {
-    if (Result<void> read = read_number(file, target, true); !read) return read.error();
-  }
-  for (const NamedTarget& target : {NamedTarget{"fx", &p.fx}, {"fy", &p.fy}}) {
-    if (*target.second > 0.0) continue;
-    return file.child(target.first).error(fmt::format("{}, a focal length must be above 0", *target.second));
-  }
-  if (file.has("distortion")) {
-    const YamlPlace distortion = file.child("distortion");
-    if (Result<void> keys = check_keys(distortion, {"k1", "k2", "p1", "p2", "k3"}); !keys) return keys.error();
-    for (const NamedTarget& target :
-         {NamedTarget{"k1", &p.k1}, {"k2", &p.k2}, {"p1", &p.p1}, {"p2", &p.p2}, {"k3", &p.k3}}) {
-      if (Result<void> read = read_number(distortion, target, false); !read) return read.error();
-    }
-  }
-  Result<CameraPtr> camera = PinholeCamera::create(p, size.width, size.height);
-  if (!camera) return file.error(camera.error().message);
-  return camera;
-}
-
-Result<void> check_model(const YamlPlace& file) {
-  if (!file.has("model")) return file.error("model is missing, known: pinhole");
+  if (!file.has("model")) return file.error("model is missing, known: " + known);
   const YamlPlace place = file.child("model");
   const std::string model = place.node.IsScalar() ? place.node.Scalar() : "";
-  if (model == "pinhole") return {};
-  for (const std::string_view planned : kPlannedModels) {
-    if (model == planned) return place.error(fmt::format("'{}' is not supported yet, known: pinhole", model));
+  for (const internal::CameraModelFormat& format : internal::camera_model_formats()) {
+    if (model == format.name) return &format;
   }
-  return place.error(fmt::format("{} is no camera model, known: pinhole", internal::quoted(model)));
+  return place.error(fmt::format("{} is no camera model, known: {}", internal::quoted(model), known));
 }
 
 /// An optional number within bounds, both inclusive but for `above`.
@@ -226,20 +189,28 @@ Result<ProjectionRow> find_projection(const std::string& path, int image) {
 }  // namespace
 
 Result<CameraSetup> read_camera_file(const std::string& path, int image_width, int image_height) {
+  if (std::filesystem::path(path).extension() == ".txt") {
+    Result<CameraPtr> camera = internal::read_ocam_results(path, {image_width, image_height});
+    if (!camera) return camera.error();
+    CameraSetup setup;
+    setup.camera = *camera;
+    return setup;
+  }
   const Result<std::string> text = read_text(path);
   if (!text) return text.error();
   const Result<YAML::Node> root = internal::parse_yaml(*text, path);
   if (!root) return root.error();
   const YamlPlace file{*root, path, ""};
   if (!file.node.IsMap()) return bad_input(path + ": must hold keys as in 'model: pinhole'");
-  if (Result<void> model = check_model(file); !model) return model.error();
-  const std::vector<std::string> known = {"model",     "image_size", "fx",         "fy",
-                                          "cx",        "cy",         "distortion", "height_m",
-                                          "pitch_deg", "roll_deg",   "yaw_deg",    "vehicle_mask"};
+  const auto model = find_model(file);
+  if (!model) return model.error();
+  std::vector<std::string> known = {"model",    "image_size", "height_m",    "pitch_deg",
+                                    "roll_deg", "yaw_deg",    "vehicle_mask"};
+  known.insert(known.end(), (*model)->keys.begin(), (*model)->keys.end());
   if (Result<void> keys = check_keys(file, known); !keys) return keys.error();
   const Result<Size> size = read_size(file, {image_width, image_height});
   if (!size) return size.error();
-  const Result<CameraPtr> camera = read_pinhole(file, *size);
+  const Result<CameraPtr> camera = (*model)->read(file, *size);
   if (!camera) return camera.error();
   CameraSetup setup;
   setup.camera = *camera;
@@ -272,12 +243,12 @@ Result<CameraSetup> read_kitti_calibration(const std::string& path, int image, i
 }
 
 Result<void> write_camera_file(const std::string& path, const CameraSetup& setup) {
-  const auto pinhole = std::dynamic_pointer_cast<const PinholeCamera>(setup.camera);
-  GS_CHECK(pinhole != nullptr, "camera files hold pinholes");
-  const PinholeParameters& p = pinhole->parameters();
-  std::string text = fmt::format("model: pinhole\nimage_size: [{}, {}]\nfx: {}\nfy: {}\ncx: {}\ncy: {}\n",
-                                 pinhole->width(), pinhole->height(), p.fx, p.fy, p.cx, p.cy);
-  text += fmt::format("distortion: {{k1: {}, k2: {}, p1: {}, p2: {}, k3: {}}}\n", p.k1, p.k2, p.p1, p.p2, p.k3);
+  GS_CHECK(setup.camera != nullptr, "a camera");
+  const Camera& camera = *setup.camera;
+  std::string text = fmt::format("model: {}\nimage_size: [{}, {}]\n", camera.model(), camera.width(), camera.height());
+  for (const internal::CameraModelFormat& format : internal::camera_model_formats()) {
+    if (camera.model() == format.name) text += format.write(camera);
+  }
   if (setup.height_m) text += fmt::format("height_m: {}\n", *setup.height_m);
   const std::pair<const char*, const std::optional<double>*> angles[] = {
       {"pitch_deg", &setup.pitch_rad}, {"roll_deg", &setup.roll_rad}, {"yaw_deg", &setup.yaw_rad}};

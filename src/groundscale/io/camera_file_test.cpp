@@ -2,11 +2,14 @@
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "groundscale/camera/ocam.hpp"
 #include "groundscale/camera/pinhole.hpp"
+#include "groundscale/io/files.hpp"
 #include "groundscale/io/image_file.hpp"
 #include "groundscale/io/temp_folder_internal.hpp"
 
@@ -164,12 +167,69 @@ TEST(CameraFile, ErrorsNameFileLineKeyAndBound) {
   EXPECT_THAT(camera_error(pinhole + "distortion: {k1: -5}\n"), HasSubstr("folds back inside the image"));
 }
 
-TEST(CameraFile, ModelsThatAreNotThereYetAreToldFromNonsense) {
-  EXPECT_THAT(camera_error("model: kannala_brandt\n"),
-              HasSubstr("camera.yaml:1: model: 'kannala_brandt' is not supported yet, known: pinhole"));
-  EXPECT_THAT(camera_error("model: ocam\nany: thing\n"), HasSubstr("'ocam' is not supported yet"));
-  EXPECT_THAT(camera_error("model: pinhoel\n"), HasSubstr("'pinhoel' is no camera model, known: pinhole"));
+TEST(CameraFile, AnUnknownModelNamesTheKnownOnes) {
+  EXPECT_THAT(camera_error("model: pinhoel\n"),
+              HasSubstr("camera.yaml:1: model: 'pinhoel' is no camera model, known: pinhole, kannala_brandt, ocam"));
   EXPECT_THAT(camera_error("fx: 700\n"), HasSubstr("model is missing, known: pinhole"));
+}
+
+TEST(CameraFile, EveryModelReadsAndWritesItsOwnKeys) {
+  const TempFolder folder;
+  const std::string kannala_brandt =
+      "model: kannala_brandt\nimage_size: [640, 480]\nfx: 250.5\nfy: 251\ncx: 320\ncy: 240\n"
+      "distortion: {k1: 0.01, k2: -0.002, k3: 0.0003, k4: 0}\n";
+  const std::string ocam =
+      "model: ocam\nimage_size: [640, 480]\npolynomial: [-250.5, 0, 0.0012]\ncx: 321\ncy: 239\n"
+      "affine: {c: 1.001, d: 0.0002, e: -0.0003}\n";
+  for (const std::string& text : {kannala_brandt, ocam}) {
+    const auto setup = read_camera_file(folder.file("camera.yaml", text), 640, 480);
+    ASSERT_TRUE(setup) << setup.error().message;
+    const std::string written = folder / "written.yaml";
+    ASSERT_TRUE(write_camera_file(written, *setup));
+    EXPECT_EQ(*read_text(written), text);
+  }
+}
+
+TEST(CameraFile, KeysOfAnotherModelAreUnknown) {
+  EXPECT_THAT(camera_error("model: ocam\nfx: 700\n"), HasSubstr("unknown key 'fx'"));
+  EXPECT_THAT(camera_error("model: kannala_brandt\nfx: 1\nfy: 1\ncx: 1\ncy: 1\ndistortion: {p1: 0}\n"),
+              HasSubstr("unknown key 'p1'"));
+  EXPECT_THAT(camera_error("model: ocam\ncx: 320\ncy: 240\n"), HasSubstr("polynomial is missing"));
+  EXPECT_THAT(camera_error("model: ocam\ncx: 320\ncy: 240\npolynomial: [250]\n"), HasSubstr("it must be negative"));
+}
+
+constexpr const char* kOcamResults =
+    "#polynomial coefficients for the DIRECT mapping function\n\n3 -2.505e+02 0.0 1.2e-03\n\n"
+    "#polynomial coefficients for the inverse mapping function\n\n2 390.0 -120.0\n\n"
+    "#center: \"row\" and \"column\", starting from 0 (C convention)\n\n239 321\n\n"
+    "#affine parameters \"c\", \"d\", \"e\"\n\n1.001 0.0002 -0.0003\n\n"
+    "#image size: \"height\" and \"width\"\n\n480 640\n";
+
+TEST(OcamResults, AreReadAsTheToolboxWritesThem) {
+  const TempFolder folder;
+  const auto setup = read_camera_file(folder.file("calib_results.txt", kOcamResults), 640, 480);
+  ASSERT_TRUE(setup) << setup.error().message;
+  EXPECT_FALSE(setup->height_m);
+  const OcamParameters& p = dynamic_cast<const OcamCamera&>(*setup->camera).parameters();
+  EXPECT_THAT(p.polynomial, testing::ElementsAre(-250.5, 0.0, 1.2e-3));
+  EXPECT_THAT((std::vector{p.cx, p.cy, p.c, p.d, p.e}), testing::ElementsAre(321.0, 239.0, 1.001, 2e-4, -3e-4));
+  // The toolbox has rows first and its third axis backwards: row 339 lies below, in front of the camera.
+  const auto below = setup->camera->ray({321.0 + 100.0 * -3e-4, 239.0 + 100.0 * 1.001});
+  ASSERT_TRUE(below);
+  EXPECT_NEAR(below->x() / below->y(), 0.0, 1e-12);
+  EXPECT_NEAR(below->z() / below->y(), (250.5 - 1.2e-3 * 1e4) / 100.0, 1e-12);
+}
+
+TEST(OcamResults, WhatIsNoneOrOfOtherImagesIsRefused) {
+  const TempFolder folder;
+  const auto message_of = [&folder](const std::string& text, int width) {
+    const auto setup = read_camera_file(folder.file("calib_results.txt", text), width, 480);
+    return setup ? std::string("taken") : setup.error().message;
+  };
+  EXPECT_THAT(message_of(kOcamResults, 641), HasSubstr("640x480, but the images are 641x480"));
+  EXPECT_THAT(message_of("3 -250 0", 640), HasSubstr("ends before the polynomial"));
+  EXPECT_THAT(message_of("P0: 718 0\n", 640), HasSubstr("calib_results.txt:1: 'P0:' isn't a finite number"));
+  EXPECT_THAT(message_of("2.5 1 1", 640), HasSubstr("the polynomial should be so many: 2.5"));
 }
 
 TEST(CameraFile, WhatIsNoYamlIsAnErrorWithItsLine) {

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "groundscale/camera/camera.hpp"
+#include "groundscale/io/yaml_internal.hpp"
+
+namespace groundscale::internal {
+
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+};
+
+/// A camera model as a camera file holds it.
+struct CameraModelFormat {
+  const char* name;               ///< Value of `model`.
+  std::vector<std::string> keys;  ///< Of the model alone.
+  Result<CameraPtr> (*read)(const YamlPlace& file, const ImageSize& size);
+  std::string (*write)(const Camera& camera);  ///< The model's keys, a line each.
+};
+
+/// All models, in the order of the docs.
+const std::vector<CameraModelFormat>& camera_model_formats();
+
+/// OCamCalib's `calib_results.txt` as the toolbox writes it. `images`: as for read_camera_file.
+Result<CameraPtr> read_ocam_results(const std::string& path, const ImageSize& images);
+
+}  // namespace groundscale::internal
