@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+
+namespace groundscale {
+
+/// Smooth random field over the plane, the same on every machine for a seed: cubic B-spline through independent normal
+/// values on the integer lattice. Mean 0; its sd is 1 on average over the plane.
+double smooth_noise(double x, double y, std::uint64_t seed);
+
+/// A sum of smooth noise of ever shorter wavelengths.
+struct FractalNoise {
+  std::uint64_t seed = 0;
+  double longest_m = 1.0;    ///< Lattice spacing of the first octave; each next one has half of it.
+  int octaves = 1;           ///< At least 1.
+  double first_sd = 1.0;     ///< Of the first octave.
+  double persistence = 1.0;  ///< Sd of an octave over that of the one before.
+
+  /// Estimate of the average over a square patch of side `footprint_m`: octaves that the patch averages out are left
+  /// away, so that what is far off neither flickers nor costs time.
+  double at(double x_m, double y_m, double footprint_m) const;
+};
+
+}  // namespace groundscale
