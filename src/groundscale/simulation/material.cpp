@@ -1,0 +1,193 @@
+#include "groundscale/simulation/material.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "groundscale/core/rng.hpp"
+#include "groundscale/simulation/noise.hpp"
+
+namespace groundscale {
+namespace {
+
+constexpr int kVariants = 1 << 16;
+
+/// Share of a patch of side `footprint` about `x` that lies in [low, high].
+double covered(double x, double low, double high, double footprint) {
+  const double half = 0.5 * std::max(footprint, 1e-6);
+  return std::clamp((std::min(x + half, high) - std::max(x - half, low)) / (2.0 * half), 0.0, 1.0);
+}
+
+/// A number from 0 to 1 for a cell.
+double cell_value(std::int64_t column, std::int64_t row, std::uint64_t seed) {
+  Rng rng(seed ^ (static_cast<std::uint64_t>(column) * 0x9e3779b97f4a7c15ULL) ^
+          (static_cast<std::uint64_t>(row) * 0xc2b2ae3d27d4eb4fULL));
+  return rng.uniform();
+}
+
+/// Paint of lane markings: a dashed line on the crest, a line along each edge.
+double marking(double along, double across, double footprint, const AsphaltOptions& o) {
+  constexpr double kHalfLineM = 0.06;
+  constexpr double kDashM = 3.0;
+  constexpr double kPeriodM = 9.0;
+  constexpr double kEdgeM = 0.3;  // from the kerb
+  const double in_period = along - kPeriodM * std::floor(along / kPeriodM);
+  const double dash = covered(in_period, 0.0, kDashM, footprint) * covered(across, -kHalfLineM, kHalfLineM, footprint);
+  const double edge = o.half_width_m - kEdgeM;
+  return dash + covered(std::abs(across), edge - kHalfLineM, edge + kHalfLineM, footprint);
+}
+
+/// Mended rectangles: each cell of 6 m by a lane may hold one. Returns -1 to 1 for its tint, 0 outside.
+double patch(double along, double across, const AsphaltOptions& o, std::uint64_t seed) {
+  constexpr double kCellM = 6.0;
+  const double width = o.half_width_m;
+  const auto column = static_cast<std::int64_t>(std::floor(along / kCellM));
+  const auto row = static_cast<std::int64_t>(std::floor(across / width));
+  Rng rng(seed ^ (static_cast<std::uint64_t>(column) * 0x9e3779b97f4a7c15ULL) ^ static_cast<std::uint64_t>(row + 8));
+  // Rectangles fill a third of their cell on average.
+  constexpr double kFilled = 0.33;
+  if (rng.uniform() * kFilled > o.patches_share) return 0.0;
+  const double length = kCellM * rng.uniform(0.3, 0.9);
+  const double breadth = width * rng.uniform(0.3, 0.8);
+  const double from = rng.uniform(0.0, kCellM - length);
+  const double side = rng.uniform(0.0, width - breadth);
+  const double x = along - static_cast<double>(column) * kCellM - from;
+  const double y = across - static_cast<double>(row) * width - side;
+  const double tint = rng.uniform(-1.0, 0.6);
+  return x >= 0.0 && x <= length && y >= 0.0 && y <= breadth ? tint : 0.0;
+}
+
+/// Dark where two smooth fields' zero line runs: cracks.
+double crack(double along, double across, double footprint, std::uint64_t seed) {
+  constexpr double kSpacingM = 2.5;
+  constexpr double kWidthM = 0.012;
+  const double field = smooth_noise(along / kSpacingM, across / kSpacingM, seed);
+  const double gate = smooth_noise(along / 5.0, across / 5.0, seed + 1);
+  if (gate < 0.8) return 0.0;
+  // The field's slope is about 1 a spacing: its value is the distance from its zero line.
+  return covered(field * kSpacingM, -0.5 * kWidthM, 0.5 * kWidthM, footprint);
+}
+
+double asphalt_albedo(const Eigen::Vector2d& uv, double footprint, const AsphaltOptions& o, std::uint64_t seed) {
+  const double along = uv.x();
+  const double across = uv.y();
+  const FractalNoise grain{
+      .seed = seed, .longest_m = 0.05, .octaves = 3, .first_sd = 0.55 * o.grain, .persistence = 1.0};
+  const FractalNoise stains{
+      .seed = seed + 100, .longest_m = 6.0, .octaves = 7, .first_sd = 0.38 * o.stains, .persistence = 1.0};
+  double tone = 1.0 + grain.at(along, across, footprint) + stains.at(along, across, footprint);
+  // Wheel tracks are polished dark; the gutter is dirty.
+  constexpr double kHalfTrackM = 0.75;
+  constexpr double kTrackSdM = 0.22;
+  const double from_track = std::abs(std::abs(std::abs(across) - o.lane_offset_m) - kHalfTrackM);
+  tone -= 0.06 * std::exp(-0.5 * std::pow(from_track / kTrackSdM, 2));
+  tone -= 0.15 * covered(std::abs(across), o.half_width_m - 0.25, o.half_width_m + 1.0, footprint);
+  tone += 0.18 * patch(along, across, o, seed + 200);
+  tone -= 0.45 * crack(along, across, footprint, seed + 300);
+  double value = o.albedo * tone;
+  if (o.markings) {
+    const FractalNoise wear{.seed = seed + 400, .longest_m = 0.4, .octaves = 5, .first_sd = 0.5, .persistence = 0.9};
+    const double left = std::clamp(0.5 + 2.0 * (wear.at(along, across, footprint) + 0.5 - o.marking_wear), 0.0, 1.0);
+    constexpr double kPaint = 0.55;
+    const double paint = std::min(1.0, marking(along, across, footprint, o)) * left;
+    value += paint * (kPaint - value);
+  }
+  return value;
+}
+
+/// Windows and a door line on plaster or brick.
+double facade_albedo(const Eigen::Vector2d& uv, double footprint, int variant, std::uint64_t seed) {
+  Rng rng(seed ^ (static_cast<std::uint64_t>(variant) * 0x9e3779b97f4a7c15ULL));
+  const double plaster = rng.uniform(0.25, 0.7);
+  const double spacing = rng.uniform(2.2, 3.6);
+  const double width = rng.uniform(0.9, 1.5);
+  const double storey = rng.uniform(2.7, 3.3);
+  const double sill = rng.uniform(0.8, 1.1);
+  const FractalNoise dirt{.seed = seed + 500 + static_cast<std::uint64_t>(variant),
+                          .longest_m = 3.0,
+                          .octaves = 8,
+                          .first_sd = 0.05,
+                          .persistence = 1.0};
+  double value = plaster * (1.0 + dirt.at(uv.x(), uv.y(), footprint));
+  const auto column = static_cast<std::int64_t>(std::floor(uv.x() / spacing));
+  const auto row = static_cast<std::int64_t>(std::floor(uv.y() / storey));
+  const double x = uv.x() - static_cast<double>(column) * spacing;
+  const double y = uv.y() - static_cast<double>(row) * storey;
+  const double left = 0.5 * (spacing - width);
+  const double frame =
+      covered(x, left - 0.08, left + width + 0.08, footprint) * covered(y, sill - 0.08, sill + 1.48, footprint);
+  const double glass = covered(x, left, left + width, footprint) * covered(y, sill, sill + 1.4, footprint);
+  constexpr double kFrame = 0.75;
+  value += frame * (kFrame - value);
+  // What a pane shows differs from window to window.
+  const double pane = 0.04 + 0.2 * cell_value(column, row, seed + static_cast<std::uint64_t>(variant));
+  return value + glass * (pane - value);
+}
+
+double tiles_albedo(const Eigen::Vector2d& uv, double footprint, double tile_m, double tone, std::uint64_t seed) {
+  const FractalNoise dirt{.seed = seed, .longest_m = 1.5, .octaves = 8, .first_sd = 0.08, .persistence = 0.95};
+  const auto column = static_cast<std::int64_t>(std::floor(uv.x() / tile_m));
+  const auto row = static_cast<std::int64_t>(std::floor(uv.y() / tile_m));
+  const double x = uv.x() - static_cast<double>(column) * tile_m;
+  const double y = uv.y() - static_cast<double>(row) * tile_m;
+  constexpr double kJointM = 0.012;
+  const double joint = std::max(covered(x, 0.0, kJointM, footprint), covered(y, 0.0, kJointM, footprint));
+  const double fade = std::clamp(1.0 - footprint / tile_m, 0.0, 1.0);
+  const double each = 0.12 * fade * (2.0 * cell_value(column, row, seed) - 1.0);
+  return tone * (1.0 + dirt.at(uv.x(), uv.y(), footprint) + each - 0.4 * joint);
+}
+
+double rough_albedo(const Eigen::Vector2d& uv, double footprint, double longest_m, double contrast,
+                    std::uint64_t seed) {
+  const FractalNoise noise{
+      .seed = seed, .longest_m = longest_m, .octaves = 8, .first_sd = 0.4 * contrast, .persistence = 1.0};
+  return 1.0 + noise.at(uv.x(), uv.y(), footprint);
+}
+
+}  // namespace
+
+int material_code(Material material, int variant) {
+  return static_cast<int>(material) * kVariants + variant % kVariants;
+}
+
+double albedo(int material_code, const Eigen::Vector2d& uv, double footprint_m, const AsphaltOptions& asphalt,
+              std::uint64_t seed) {
+  const auto material = static_cast<Material>(material_code / kVariants);
+  const int variant = material_code % kVariants;
+  const std::uint64_t own_seed = seed + 7919 * static_cast<std::uint64_t>(variant);
+  double value = 0.0;
+  switch (material) {
+    case Material::kAsphalt:
+      value = asphalt_albedo(uv, footprint_m, asphalt, seed);
+      break;
+    case Material::kKerb:
+      value = tiles_albedo(uv, footprint_m, 1.0, 0.35, seed + 600);
+      break;
+    case Material::kPavement:
+      value = tiles_albedo(uv, footprint_m, 0.4, 0.28, seed + 700);
+      break;
+    case Material::kGrass:
+      value = 0.2 * rough_albedo(uv, footprint_m, 3.0, 0.25, seed + 800);
+      break;
+    case Material::kFacade:
+      value = facade_albedo(uv, footprint_m, variant, seed);
+      break;
+    case Material::kRoof:
+      value = tiles_albedo(uv, footprint_m, 0.3, 0.18, own_seed);
+      break;
+    case Material::kBark:
+      value = 0.15 * rough_albedo(uv, footprint_m, 0.4, 0.35, own_seed);
+      break;
+    case Material::kLeaves:
+      value = 0.14 * rough_albedo(uv, footprint_m, 1.2, 0.6, own_seed);
+      break;
+    case Material::kPaint:
+      value = 0.05 + 0.6 * cell_value(variant, 0, seed);
+      break;
+    case Material::kGlass:
+      value = 0.06;
+      break;
+  }
+  return std::clamp(value, 0.01, 0.95);
+}
+
+}  // namespace groundscale

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+namespace groundscale {
+
+/// What surfaces of the world are made of. `uv` of their triangles, in metres: distance along and across the road (from
+/// its crest) for what lies on the ground; along and up the wall for facades; any for the rest.
+enum class Material { kAsphalt, kKerb, kPavement, kGrass, kFacade, kRoof, kBark, kLeaves, kPaint, kGlass };
+
+/// A material with a number that tells one house or car from another, as TriangleMesh has it.
+int material_code(Material material, int variant);
+
+/// How asphalt is made up; contrasts are standard deviations relative to its albedo.
+struct AsphaltOptions {
+  double albedo = 0.16;
+  double grain = 0.20;          ///< Stones: centimetres.
+  double stains = 0.07;         ///< Decimetres to metres.
+  double patches_share = 0.08;  ///< Of the road, mended.
+  double marking_wear = 0.35;   ///< Share of the paint that is gone.
+  bool markings = true;
+  double half_width_m = 3.6;    ///< Where edge lines and gutters lie.
+  double lane_offset_m = 1.75;  ///< Of the wheel tracks' middle from the crest.
+};
+
+/// Share of light that a surface sends back, 0 to 1, averaged over a patch of side `footprint_m`.
+double albedo(int material_code, const Eigen::Vector2d& uv, double footprint_m, const AsphaltOptions& asphalt,
+              std::uint64_t seed);
+
+}  // namespace groundscale

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+
+#include "groundscale/simulation/material.hpp"
+#include "groundscale/simulation/ray_scene.hpp"
+#include "groundscale/simulation/road_surface.hpp"
+
+namespace groundscale {
+
+/// Drives are rendered anew wherever this changes; it changes with every change of what a world looks like.
+inline constexpr int kWorldVersion = 1;
+
+struct WorldOptions {
+  std::uint64_t seed = 0;
+  RoadProfile profile;
+  AsphaltOptions asphalt;
+  double houses_share = 0.85;    ///< Of the frontage that is built up.
+  double trees_a_side_m = 25.0;  ///< Mean distance between trees; 0: none.
+  double cars_share = 0.35;      ///< Of the kerb that has cars parked along it.
+  double sun_elevation_deg = 40.0;
+  double sun_azimuth_deg = 60.0;  ///< From the start's direction of travel, to the right.
+};
+
+/// All that stands still about a path, made up from a seed.
+struct World {
+  WorldOptions options;
+  RoadSurface surface;
+  RayScene scene;
+
+  /// Unit vector towards the sun.
+  Eigen::Vector3d sun() const;
+};
+
+World make_world(const Path& path, const WorldOptions& options);
+
+}  // namespace groundscale
