@@ -21,5 +21,6 @@ int report_failure(const Error& error);
 void add_run(CLI::App& app, int& exit_status);
 void add_evaluate(CLI::App& app, int& exit_status);
 void add_config(CLI::App& app, int& exit_status);
+void add_simulate(CLI::App& app, int& exit_status);
 
 }  // namespace groundscale

@@ -21,8 +21,17 @@ struct RenderOptions {
   int threads = 1;
 };
 
-/// What a camera sees. The same values whatever the number of threads. Pixels without a ray stay dark.
-Radiance render(const World& world, const Camera& camera, const RigidTransform& world_from_cam,
-                const RenderOptions& options);
+/// Where the camera is while its shutter is open. Equal poses: no motion blur.
+struct Shutter {
+  RigidTransform world_from_cam_open;
+  RigidTransform world_from_cam_close;
+};
+
+/// What a camera sees: a pixel's rays are spread over its area and over the time that the shutter is open. The same
+/// values whatever the number of threads. Pixels without a ray stay dark.
+Radiance render(const World& world, const Camera& camera, const Shutter& shutter, const RenderOptions& options);
+
+/// The pose a share (0 to 1) of the way from one to the other, at an even rate.
+RigidTransform between(const RigidTransform& from, const RigidTransform& to, double share);
 
 }  // namespace groundscale

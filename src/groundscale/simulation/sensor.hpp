@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+
+#include "groundscale/core/image.hpp"
+#include "groundscale/core/rng.hpp"
+#include "groundscale/simulation/renderer.hpp"
+
+namespace groundscale {
+
+/// What the camera makes of light.
+struct SensorOptions {
+  double vignetting = 0.25;     ///< Loss of light in the corner.
+  double target = 0.38;         ///< Mean of the image that the exposure aims at, 1 = full.
+  double adaptation_s = 0.5;    ///< Time in which the exposure makes up for most of a change.
+  double full_well_e = 9000.0;  ///< Electrons of a full pixel: shot noise is the root of their number. 0: no noise.
+  double read_noise_e = 12.0;   ///< Electrons, sd.
+  double gamma = 1.8;           ///< Grey level = light^(1 / gamma).
+};
+
+/// Turns light into 8-bit images, frame after frame: its exposure follows the scene with a lag.
+class Sensor {
+ public:
+  Sensor(const SensorOptions& options, Rng& rng) : options_(options), rng_(rng) {}
+
+  /// @param dt_s  Since the frame before; of no account for the first.
+  Image expose(const Radiance& light, double dt_s);
+
+ private:
+  SensorOptions options_;
+  Rng& rng_;
+  std::optional<double> gain_;
+};
+
+}  // namespace groundscale
