@@ -167,6 +167,12 @@ std::vector<Row> camera_rows() {
          s.write("drive/calib.txt", calibration_with("P0: 440", "P0: nan"));
          return s.run();
        }},
+      {"calibration with a row that is there twice", 2, "is there a second time",
+       [](const Setting& s) {
+         const std::string row = SyntheticDrive().calibration();
+         s.write("drive/calib.txt", row + row);
+         return s.run();
+       }},
       {"negative focal length", 2, "a focal length must be above 0",
        [](const Setting& s) {
          s.write("drive/calib.txt", calibration_with("P0: 440", "P0: -440"));
@@ -215,6 +221,13 @@ std::vector<Row> camera_rows() {
          s.write_camera("pitch_deg: -60\nroll_deg: 0\nyaw_deg: 0\n");
          return s.run();
        }},
+      {"no road in view, with a vehicle mask", 2, "no road is in view",
+       [](const Setting& s) {
+         s.write_camera(
+             "pitch_deg: -60\nroll_deg: 0\nyaw_deg: 0\n"
+             "vehicle_mask: {polygon: [[0, 220], [639, 220], [639, 239], [0, 239]]}\n");
+         return s.run();
+       }},
   };
 }
 
@@ -232,6 +245,13 @@ std::vector<Row> frame_rows() {
       {"times with another number of rows than there are images", 2, "it must have a row an image",
        [](const Setting& s) {
          s.write("drive/times.txt", "0\n0.1\n");
+         return s.run();
+       }},
+      {"times that never rise", 2, "they must rise",
+       [](const Setting& s) {
+         std::string times;
+         for (int k = 0; k < kFrames; ++k) times += "0.5\n";
+         s.write("drive/times.txt", times);
          return s.run();
        }},
       {"times that fall", 2, "time falls from",
@@ -291,6 +311,10 @@ std::vector<Row> command_rows() {
        [](const Setting& s) {
          return s.run({"--set", "ground.metod=sparse"});
        }},
+      {"section where a key is expected", 2, "is a section, a key of it is",
+       [](const Setting& s) {
+         return s.run({"--set", "ground=3"});
+       }},
       {"configuration value out of range", 2, "is out of range, it must be",
        [](const Setting& s) {
          return s.run({"--config", s.write("my.yaml", "road:\n  region:\n    near_m: -3\n")});
@@ -298,6 +322,15 @@ std::vector<Row> command_rows() {
       {"configuration that is no YAML", 2, "isn't YAML",
        [](const Setting& s) {
          return s.run({"--config", s.write("my.yaml", "road: [\n")});
+       }},
+      {"overlay folder that holds something, without --force", 2, "exists and isn't empty; --force overwrites it",
+       [](const Setting& s) {
+         s.write("pictures/keep.txt", "kept");
+         return s.run({"--overlay", s.path("pictures")});
+       }},
+      {"overlay folder that holds the input", 2, "holds the input, another is needed",
+       [](const Setting& s) {
+         return s.run({"--overlay", s.path("drive/image_0"), "--force"});
        }},
       {"unknown option or command", 2, "Run with --help for more information",
        [](const Setting& s) { return s.run({"--no-such-option"}); }},

@@ -24,18 +24,20 @@ const std::vector<Image>& street() {
   return images;
 }
 
-PairwiseOdometry run(const std::vector<Image>& images) {
+/// @param slow_frames  So many of the first are a second apart, as if driven slowly; the others a tenth.
+PairwiseOdometry run(const std::vector<Image>& images, const OdometryOptions& options = {},
+                     std::size_t slow_frames = 0) {
   const SyntheticDrive drive;
   CameraSetup setup;
   setup.camera = *PinholeCamera::create(
       {.fx = drive.focal_px, .fy = drive.focal_px, .cx = drive.cx(), .cy = drive.cy()}, drive.width, drive.height);
   setup.height_m = drive.camera_height_m;
-  auto odometry = PairwiseOdometry::create(setup, OdometryOptions{});
+  auto odometry = PairwiseOdometry::create(setup, options);
   GS_CHECK(odometry.has_value(), "the street is in view");
   for (std::size_t k = 0; k < images.size(); ++k) {
     Frame frame;
     frame.index = static_cast<int>(k);
-    frame.time_s = 0.1 * static_cast<double>(k);
+    frame.time_s = 0.1 * static_cast<double>(k) + 0.9 * static_cast<double>(std::min(k, slow_frames));
     frame.image = images[k];
     if (frame.image.empty()) frame.problem = "unreadable";
     odometry->advance(frame);
@@ -97,6 +99,35 @@ TEST(PairwiseOdometry, BridgesAnUnreadableFrameAndGoesOn) {
   // measurement.
   EXPECT_NEAR((poses[11].translation - poses[7].translation).norm(), 4.0 * SyntheticDrive{}.step_m,
               0.05 * 4.0 * SyntheticDrive{}.step_m);
+}
+
+TEST(PairwiseOdometry, GoesOnAtConstantSpeedHoweverLongNothingIsSeen) {
+  std::vector<Image> images = street();
+  constexpr int kGap = 14;  // longer than a bridge may be
+  images.insert(images.end(), kGap, Image());
+  const PairwiseOdometry odometry = run(images);
+  expect_numbers_everywhere(odometry);
+  EXPECT_EQ(odometry.results().back().state, FrameState::kLost);
+  const auto poses = odometry.final_poses();
+  const double step = SyntheticDrive{}.step_m;
+  // The last step goes on: 5 % is three sd of a measurement.
+  EXPECT_NEAR((poses.back().translation - poses[kFrames - 1].translation).norm(), kGap * step, 0.05 * kGap * step);
+}
+
+TEST(PairwiseOdometry, RawStepsFromBeforeTheScaleWasKnownAreMetres) {
+  // The first measurements are refused for their speed, 0.8 m/s; what they measured is told all the same.
+  OdometryOptions options;
+  options.ground.gates.min_speed_mps = 2.0;
+  const PairwiseOdometry odometry = run(street(), options, /*slow_frames=*/4);
+  ASSERT_TRUE(odometry.scaled());
+  int refused = 0;
+  for (const FrameResult& result : odometry.results()) {
+    if (!result.raw_over_online) continue;
+    if (!result.reason.empty()) ++refused;
+    // A single measurement is within about 2 %.
+    EXPECT_NEAR(*result.raw_over_online * result.online_step_m / SyntheticDrive{}.step_m, 1.0, 0.08) << result.frame;
+  }
+  EXPECT_GE(refused, 3);
 }
 
 TEST(PairwiseOdometry, IsTheSameToTheLastBitWhenRunAgain) {

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -158,6 +159,12 @@ Image mask_of(const Frame& frame, const std::optional<RoadMasks>& masks, RunSumm
   return {};
 }
 
+double length_of(const std::vector<FrameResult>& results) {
+  double length_m = 0.0;
+  for (const FrameResult& result : results) length_m += result.online_step_m;
+  return length_m;
+}
+
 /// What a drive is made of.
 struct Drive {
   Sequence& sequence;
@@ -172,7 +179,7 @@ Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments
   const auto start = std::chrono::steady_clock::now();
   std::vector<double> frame_ms;
   double decoding_s = 0.0;
-  double metres = 0.0;
+  std::optional<double> metres;
   while (true) {
     const auto frame_start = std::chrono::steady_clock::now();
     const std::optional<Frame> frame = sequence.next();
@@ -185,9 +192,11 @@ Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments
     if (!arguments.overlay_folder.empty()) {
       if (const auto done = write_overlay(arguments.overlay_folder, *frame, odometry, camera); !done) return done;
     }
-    metres += result.online_step_m;
-    progress.show(static_cast<int>(frame_ms.size()), seconds_since(start),
-                  odometry.scaled() ? std::optional(metres) : std::nullopt);
+    // Steps from before the scale was known have become metres with it.
+    const bool first_scaled = !metres && odometry.scaled();
+    if (first_scaled) metres = length_of(odometry.results());
+    if (!first_scaled && metres) *metres += result.online_step_m;
+    progress.show(static_cast<int>(frame_ms.size()), seconds_since(start), metres);
   }
   odometry.finish();
   summary.wall_s = seconds_since(start);
@@ -212,6 +221,27 @@ void print_summary(const RunSummary& s, const std::string& output) {
   fmt::print("camera height        {:>10.3f} m    from {}: 1 cm more makes every length {:.2f} % longer\n",
              s.camera_height_m, s.camera_height_from, 1.0 / s.camera_height_m);
   fmt::print("trajectory           {}\n", (std::filesystem::path(output) / "trajectory.kitti").string());
+}
+
+/// Found out before anything is written: pictures never fall on what they show, nor on anything else unasked.
+Result<void> check_overlay(const RunArguments& arguments, const RunSource& source) {
+  namespace fs = std::filesystem;
+  const fs::path folder = arguments.overlay_folder;
+  std::error_code ignored;
+  if (folder.empty() || !fs::exists(folder, ignored)) return {};
+  const auto refuse = [&folder](std::string_view why) {
+    return Error{ErrorCode::kBadInput, fmt::format("--overlay {}: {}", folder.string(), why)};
+  };
+  if (!fs::is_directory(folder, ignored)) return refuse("is a file, a folder is needed");
+  std::vector<fs::path> inputs = {source.source, source.road_masks};
+  for (int k = 0; k < 4; ++k) inputs.push_back(fs::path(source.source) / fmt::format("image_{}", k));
+  for (const fs::path& input : inputs) {
+    if (!input.empty() && fs::equivalent(folder, input, ignored)) return refuse("holds the input, another is needed");
+  }
+  if (!arguments.force && !fs::is_empty(folder, ignored)) {
+    return refuse("exists and isn't empty; --force overwrites it");
+  }
+  return {};
 }
 
 Result<void> make_folder(const std::string& folder) {
@@ -285,9 +315,10 @@ Result<void> run(const RunArguments& arguments) {
   if (!masks) return masks.error();
   auto odometry = PairwiseOdometry::create(*setup, config->odometry);
   if (!odometry) return odometry.error();
-  if (const auto made = make_folder(arguments.overlay_folder); !made) return made;
+  if (const auto free = check_overlay(arguments, source); !free) return free;
   auto writer = RunWriter::create(arguments.output, arguments.force);
   if (!writer) return writer.error();
+  if (const auto made = make_folder(arguments.overlay_folder); !made) return made;
 
   summary.source = source.source;
   summary.seed = config->odometry.seed;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -165,10 +166,12 @@ Result<ProjectionRow> find_projection(const std::string& path, int image) {
   if (!text) return text.error();
   constexpr std::size_t kNumbers = 12;
   const std::string name = fmt::format("P{}:", image);
+  std::optional<ProjectionRow> found;
   for (const internal::Line& line : internal::split_lines(*text)) {
     const std::vector<std::string_view> words = internal::split_words(line.text);
     if (words.empty() || words.front() != name) continue;
     ProjectionRow row{fmt::format("{}:{}: P{}", path, line.number, image), {}};
+    if (found) return bad_input(row.place + ": is there a second time");
     if (words.size() != kNumbers + 1) {
       return bad_input(
           fmt::format("{}: {} values, it must have 12 (a 3x4 matrix, row by row)", row.place, words.size() - 1));
@@ -181,23 +184,24 @@ Result<ProjectionRow> find_projection(const std::string& path, int image) {
       }
       row.values.push_back(*value);
     }
-    return row;
+    found = std::move(row);
   }
+  if (found) return *found;
   return bad_input(fmt::format("{}: has no row '{}' with 12 numbers", path, name));
 }
 
 }  // namespace
 
 Result<CameraSetup> read_camera_file(const std::string& path, int image_width, int image_height) {
-  if (std::filesystem::path(path).extension() == ".txt") {
-    Result<CameraPtr> camera = internal::read_ocam_results(path, {image_width, image_height});
+  const Result<std::string> text = read_text(path);
+  if (!text) return text.error();
+  if (internal::is_ocam_results(*text)) {
+    Result<CameraPtr> camera = internal::parse_ocam_results(*text, path, {image_width, image_height});
     if (!camera) return camera.error();
     CameraSetup setup;
     setup.camera = *camera;
     return setup;
   }
-  const Result<std::string> text = read_text(path);
-  if (!text) return text.error();
   const Result<YAML::Node> root = internal::parse_yaml(*text, path);
   if (!root) return root.error();
   const YamlPlace file{*root, path, ""};

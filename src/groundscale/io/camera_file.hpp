@@ -27,8 +27,8 @@ struct CameraSetup {
 };
 
 /// Reads `camera.yaml` (docs/formats.md). Image size may be missing in the file and is then taken from `image_*`; where
-/// both are there they must agree. `image_*` of 0: not known, the file must say it. A file whose name ends in .txt is
-/// read as OCamCalib's `calib_results.txt`: model `ocam`, height and angles empty.
+/// both are there they must agree. `image_*` of 0: not known, the file must say it. A file that
+/// begins with a number is OCamCalib's `calib_results.txt`: model `ocam`, height and angles empty.
 /// @return kBadInput with file, line, key and bound.
 Result<CameraSetup> read_camera_file(const std::string& path, int image_width, int image_height);
 

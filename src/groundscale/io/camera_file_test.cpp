@@ -228,7 +228,7 @@ TEST(OcamResults, WhatIsNoneOrOfOtherImagesIsRefused) {
   };
   EXPECT_THAT(message_of(kOcamResults, 641), HasSubstr("640x480, but the images are 641x480"));
   EXPECT_THAT(message_of("3 -250 0", 640), HasSubstr("ends before the polynomial"));
-  EXPECT_THAT(message_of("P0: 718 0\n", 640), HasSubstr("calib_results.txt:1: 'P0:' isn't a finite number"));
+  EXPECT_THAT(message_of("2 -250 nan", 640), HasSubstr("calib_results.txt:1: 'nan' isn't a finite number"));
   EXPECT_THAT(message_of("2.5 1 1", 640), HasSubstr("the polynomial should be so many: 2.5"));
 }
 

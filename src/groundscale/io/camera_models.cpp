@@ -9,7 +9,6 @@
 #include "groundscale/camera/ocam.hpp"
 #include "groundscale/camera/pinhole.hpp"
 #include "groundscale/io/camera_models_internal.hpp"
-#include "groundscale/io/files.hpp"
 #include "groundscale/io/text_internal.hpp"
 
 namespace groundscale::internal {
@@ -183,10 +182,17 @@ const std::vector<CameraModelFormat>& camera_model_formats() {
   return formats;
 }
 
-Result<CameraPtr> read_ocam_results(const std::string& path, const ImageSize& images) {
-  const Result<std::string> text = read_text(path);
-  if (!text) return text.error();
-  Result<OcamNumbers> numbers = OcamNumbers::of(*text, path);
+bool is_ocam_results(const std::string& text) {
+  for (const Line& line : split_lines(text)) {
+    const std::vector<std::string_view> words = split_words(line.text);
+    if (words.empty() || words.front().starts_with('#')) continue;
+    return parse_number(words.front()).has_value();
+  }
+  return false;
+}
+
+Result<CameraPtr> parse_ocam_results(const std::string& text, const std::string& path, const ImageSize& images) {
+  Result<OcamNumbers> numbers = OcamNumbers::of(text, path);
   if (!numbers) return numbers.error();
   OcamParameters p;
   const Result<std::vector<double>> polynomial = numbers->list("the polynomial");

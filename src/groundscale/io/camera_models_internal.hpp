@@ -24,7 +24,10 @@ struct CameraModelFormat {
 /// All models, in the order of the docs.
 const std::vector<CameraModelFormat>& camera_model_formats();
 
+/// Whether a text, comments aside, begins with a number: OCamCalib's `calib_results.txt`, and no YAML mapping.
+bool is_ocam_results(const std::string& text);
+
 /// OCamCalib's `calib_results.txt` as the toolbox writes it. `images`: as for read_camera_file.
-Result<CameraPtr> read_ocam_results(const std::string& path, const ImageSize& images);
+Result<CameraPtr> parse_ocam_results(const std::string& text, const std::string& path, const ImageSize& images);
 
 }  // namespace groundscale::internal

@@ -162,6 +162,11 @@ Result<void> set_fields(const GivenByName& given, const VisitOptions& visit) {
   const std::vector<std::string> known = field_names(visit);
   for (const auto& [name, value] : given) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const auto inside = std::find_if(known.begin(), known.end(),
+                                     [&name](const std::string& key) { return key.starts_with(name + "."); });
+    if (inside != known.end()) {
+      return bad_input(fmt::format("{}: is a section, a key of it is '{}'", value.place, *inside));
+    }
     return bad_input(fmt::format("{}: unknown key, the nearest is '{}'", value.place, nearest_field(name, known)));
   }
   for (const bool commit : {false, true}) {
@@ -301,6 +306,7 @@ Result<void> apply_assignment(std::string_view assignment, const VisitOptions& v
   const std::size_t equals = assignment.find('=');
   if (equals == std::string_view::npos) return bad_input(quoted(assignment) + " must be KEY=VALUE");
   const std::string name(internal::trimmed(assignment.substr(0, equals)));
+  if (name.empty()) return bad_input(quoted(assignment) + " must be KEY=VALUE");
   std::string_view value = assignment.substr(equals + 1);
   Given given{.place = internal::printable(name), .is_list = false, .words = {std::string(value)}};
   const std::vector<FieldRow> rows = field_rows(visit);

@@ -96,7 +96,7 @@ TEST(Config, UnknownKeysNameTheNearestWithFileAndLine) {
               HasSubstr("my.yaml:2: inner.width: unknown key, the nearest is 'inner.width_m'"));
   EXPECT_THAT(yaml_error("width_m: 2\n"), HasSubstr("the nearest is 'inner.width_m'"));  // the section forgotten
   EXPECT_THAT(set_error("iner.sauce=red"), HasSubstr("iner.sauce: unknown key, the nearest is 'inner.sauce'"));
-  EXPECT_THAT(set_error("inner=2"), HasSubstr("inner: unknown key"));
+  EXPECT_THAT(set_error("inner=2"), HasSubstr("inner: is a section, a key of it is 'inner.width_m'"));
 }
 
 TEST(Config, ValuesOutOfRangeNameTheBound) {

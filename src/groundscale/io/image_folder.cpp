@@ -200,6 +200,9 @@ Result<std::vector<double>> read_times(const std::string& path, int expected) {
     return bad_input(fmt::format("{}: {} rows, but there are {} images: it must have a row an image", path,
                                  times_s.size(), expected));
   }
+  if (expected > 1 && !(times_s.back() > times_s.front())) {
+    return bad_input(fmt::format("{}: all times are {} s, they must rise", path, times_s.front()));
+  }
   return times_s;
 }
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -32,8 +34,23 @@ cv::Mat turned(const cv::Mat& stored, int quarter_turns) {
   return upright;
 }
 
+/// FFmpeg renders plain text as a film of it. No video begins without a byte that no text has.
+bool is_text(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  constexpr std::size_t kEnough = 512;
+  std::string head(kEnough, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(kEnough));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return !head.empty() && std::all_of(head.begin(), head.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte >= 0x20 || c == '\n' || c == '\r' || c == '\t';
+  });
+}
+
 Result<cv::VideoCapture> open_capture(const std::string& path) {
   cv::VideoCapture capture;
+  if (is_text(path))
+    return bad_input(path + ": can't be opened as a video (and is no folder of images): it holds text");
   try {
     if (capture.open(path, cv::CAP_FFMPEG) && capture.isOpened()) {
       capture.set(cv::CAP_PROP_ORIENTATION_AUTO, 0.0);

@@ -16,7 +16,7 @@ enum class FrameState {
   kStill,
   kRotating,  ///< Turned without moving.
   kBridged,   ///< No motion found; pose by constant velocity.
-  kLost,      ///< The same for longer than a bridge may be.
+  kLost,      ///< The same for longer than a bridge may be: straight on, at constant speed.
 };
 std::string_view name_of(FrameState state);
 

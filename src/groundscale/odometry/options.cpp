@@ -80,6 +80,11 @@ Result<void> OdometryOptions::validate() const {
     return Error{ErrorCode::kBadInput, fmt::format("road.region.near_m: {} must be below road.region.far_m, {}",
                                                    road.region.near_m, road.region.far_m)};
   }
+  if (road.search.min_step_m >= road.search.max_step_m) {
+    return Error{ErrorCode::kBadInput,
+                 fmt::format("road.search.min_step_m: {} must be below road.search.max_step_m, {}",
+                             road.search.min_step_m, road.search.max_step_m)};
+  }
   const std::size_t corners = road.region.polygon_px.size();
   if (corners % 2 != 0 || (corners > 0 && corners < 6)) {
     return Error{

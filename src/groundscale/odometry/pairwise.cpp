@@ -53,10 +53,14 @@ Result<PairwiseOdometry> PairwiseOdometry::create(const CameraSetup& setup, cons
   PairwiseOdometry odometry(setup, options);
   const Mounting mounting = odometry.mounting_.mounting();
   const GroundPlane road{mounting.normal_in_cam(), *setup.height_m};
-  const Image region = intersect_masks(
-      region_mask({mounting.forward_in_cam(), 0.0}, road, *setup.camera, options.road.region), odometry.tracking_mask_);
+  const Image strip = region_mask({mounting.forward_in_cam(), 0.0}, road, *setup.camera, options.road.region);
+  const Image region = strip.empty() ? strip : intersect_masks(strip, odometry.tracking_mask_);
   // An unlikely height says more about its unit than about where the road is: the run goes on, with a warning.
   if (mask_area(region) == 0 && *setup.height_m <= kUnlikelyHeightM) {
+    if (!options.road.region.polygon_px.empty()) {
+      return Error{ErrorCode::kBadInput,
+                   "no road is in view: road.region.polygon_px lies outside the image (or behind the vehicle mask)"};
+    }
     return Error{ErrorCode::kBadInput,
                  fmt::format("no road is in view: the strip from {} to {} m ahead lies outside the image with this "
                              "height, pitch, roll and yaw (or behind the vehicle mask)",
@@ -172,14 +176,16 @@ const FrameResult& PairwiseOdometry::bridge(FrameResult result, std::string reas
   result.reason = std::move(reason);
   double step = 0.0;
   if (!results_.empty()) {
-    // Constant velocity: the last frame's turn and step once more.
+    // Constant velocity: the last frame's turn and step once more. After long the turn is over, but not the drive.
     const FrameResult& last = results_.back();
     result.reference = static_cast<int>(results_.size()) - 1;
     const double dt = time_since_last(frame);
-    if (results_.size() >= 2 && result.state == FrameState::kBridged) {
+    if (results_.size() >= 2) {
       const RigidTransform& before = online_poses_[online_poses_.size() - 2];
       const RigidTransform& now = online_poses_.back();
-      result.reference_from_cam = nearest_rotation(before.rotation.transpose() * now.rotation);
+      if (result.state == FrameState::kBridged) {
+        result.reference_from_cam = nearest_rotation(before.rotation.transpose() * now.rotation);
+      }
       const Eigen::Vector3d moved = now.rotation.transpose() * (now.translation - before.translation);
       if (moved.norm() > 0.0) {
         result.direction_in_reference = result.reference_from_cam * moved.normalized();
@@ -300,6 +306,7 @@ void PairwiseOdometry::take_scale(double distance_m, double provisional_distance
   const double factor = distance_m / provisional_distance;
   for (FrameResult& result : results_) {
     result.online_step_m *= factor;
+    if (result.raw_over_online) *result.raw_over_online /= factor;  // metres over what has become metres now
     result.scaled = true;
   }
   for (RigidTransform& pose : online_poses_) pose.translation *= factor;

@@ -32,7 +32,7 @@ struct RoadWarp {
 /// Follows road points from one image to another after the second has been warped as the road is expected to move, so
 /// that patches that stretch as they come near don't bias the tracker. Pixels go through the camera model:
 /// x2 = project(H ray(x1)).
-/// @return A match for each point that came back to its start; `ids` names the points.
+/// @return A match for each point that came back to its start, under the point's id.
 Matches track_on_road(const Image& first, const Image& second, const std::vector<TrackPoint>& points,
                       const RoadWarp& warp, const Camera& camera, const KltOptions& options);
 
