@@ -147,7 +147,7 @@ TEST(KannalaBrandtCamera, SeesBackwardsWhereTheModelDoes) {
 }
 
 TEST(KannalaBrandtCamera, RefusesWhatCanNotBe) {
-  const auto message_of = [](KannalaBrandtParameters parameters, int width = kWidth) {
+  const auto message_of = [](const KannalaBrandtParameters& parameters, int width = kWidth) {
     const auto camera = KannalaBrandtCamera::create(parameters, width, kHeight);
     return camera ? std::string("taken") : camera.error().message;
   };
@@ -189,7 +189,7 @@ TEST(OcamCamera, WithTheSeriesOfAnEquidistantLensIsOne) {
 }
 
 TEST(OcamCamera, RefusesWhatCanNotBe) {
-  const auto message_of = [](OcamParameters parameters, int height = kHeight) {
+  const auto message_of = [](const OcamParameters& parameters, int height = kHeight) {
     const auto camera = OcamCamera::create(parameters, kWidth, height);
     return camera ? std::string("taken") : camera.error().message;
   };

@@ -162,8 +162,9 @@ Result<void> set_fields(const GivenByName& given, const VisitOptions& visit) {
   const std::vector<std::string> known = field_names(visit);
   for (const auto& [name, value] : given) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const auto inside = std::find_if(known.begin(), known.end(),
-                                     [&name](const std::string& key) { return key.starts_with(name + "."); });
+    const auto inside = std::find_if(known.begin(), known.end(), [section = name + "."](const std::string& key) {
+      return key.starts_with(section);
+    });
     if (inside != known.end()) {
       return bad_input(fmt::format("{}: is a section, a key of it is '{}'", value.place, *inside));
     }

@@ -48,8 +48,8 @@ SimulatedCamera kitti() {
 /// For tests: quick to render.
 SimulatedCamera small() {
   SimulatedCamera camera;
-  camera.camera = pinhole({.fx = 240.0, .fy = 240.0, .cx = 207.0, .cy = 62.0}, 416, 128);
-  camera.quality = {.samples = 1, .edge_samples = 2, .threads = 1};
+  camera.camera = pinhole({.fx = 300.0, .fy = 300.0, .cx = 239.5, .cy = 60.0}, 480, 200);
+  camera.quality = {.samples = 2, .edge_samples = 2, .threads = 1};
   return camera;
 }
 
@@ -59,7 +59,8 @@ struct NamedPreset {
 };
 constexpr NamedPreset kPresets[] = {{"kitti", kitti}, {"small", small}};
 
-/// Least squares plane, in the camera, of the ground on which the default region lies, weighted as road points are.
+/// Least squares plane, in the camera, of the road (no kerb, no pavement) in the default region, weighted as road points
+/// are.
 GroundPlane plane_ahead(const RoadSurface& surface, double distance_m, const RigidTransform& world_from_cam) {
   const RegionOptions region;
   constexpr double kAlongM = 0.5;
@@ -72,7 +73,9 @@ GroundPlane plane_ahead(const RoadSurface& surface, double distance_m, const Rig
     const Eigen::Vector3d right(std::cos(point.heading_rad), 0.0, -std::sin(point.heading_rad));
     for (double aside = -region.half_width_m; aside <= region.half_width_m; aside += kAsideM) {
       Eigen::Vector3d place = point.position + aside * right;
-      place.y() = surface.ground_y(place.x(), place.z());
+      const RoadPlace on_ground = surface.locate(place.x(), place.z());
+      if (on_ground.ground != Ground::kRoad) continue;
+      place.y() = surface.ground_y(on_ground);
       const Eigen::Vector3d in_cam = cam_from_world * place;
       const double weight = std::exp(-0.5 * std::pow(aside / region.weight_sd_m, 2));
       // m . X = 1 with m = n / h.
