@@ -59,8 +59,8 @@ struct NamedPreset {
 };
 constexpr NamedPreset kPresets[] = {{"kitti", kitti}, {"small", small}};
 
-/// Least squares plane, in the camera, of the road (no kerb, no pavement) in the default region, weighted as road points
-/// are.
+/// Least squares plane, in the camera, of the road (no kerb, no pavement) in the default region, weighted as road
+/// points are.
 GroundPlane plane_ahead(const RoadSurface& surface, double distance_m, const RigidTransform& world_from_cam) {
   const RegionOptions region;
   constexpr double kAlongM = 0.5;
