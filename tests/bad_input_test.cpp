@@ -140,7 +140,7 @@ std::vector<Row> source_rows() {
   };
 }
 
-/// What is wrong with the camera or its height.
+/// What is wrong with the camera.
 std::vector<Row> camera_rows() {
   return {
       {"no calibration", 2, "no calibration",
@@ -198,6 +198,12 @@ std::vector<Row> camera_rows() {
          s.write("drive/camera.yaml", "model: mei\n");
          return s.run();
        }},
+  };
+}
+
+/// What is wrong with the camera's height, or with how it looks.
+std::vector<Row> mounting_rows() {
+  return {
       {"no camera height", 2, "the camera height is missing",
        [](const Setting& s) {
          fs::copy_file(s.path("drive/calib.txt"), plain_folder(s) + "/calib.txt");
@@ -339,7 +345,7 @@ std::vector<Row> command_rows() {
 
 std::vector<Row> refused_rows() {
   std::vector<Row> all = source_rows();
-  for (const auto& rows : {camera_rows(), frame_rows(), command_rows()})
+  for (const auto& rows : {camera_rows(), mounting_rows(), frame_rows(), command_rows()})
     all.insert(all.end(), rows.begin(), rows.end());
   return all;
 }

@@ -45,10 +45,12 @@ TEST(FractalNoise, IsNearTheAverageOverItsFootprint) {
       const double y = 0.11 * k;
       double average = 0.0;
       constexpr int kSide = 24;
-      for (int j = 0; j < kSide * kSide; ++j) {
-        average += noise.at(x + footprint * ((j % kSide + 0.5) / kSide - 0.5),
-                            y + footprint * ((j / kSide + 0.5) / kSide - 0.5), 0.0) /
-                   (kSide * kSide);
+      for (int row = 0; row < kSide; ++row) {
+        for (int column = 0; column < kSide; ++column) {
+          average += noise.at(x + footprint * ((column + 0.5) / kSide - 0.5),
+                              y + footprint * ((row + 0.5) / kSide - 0.5), 0.0) /
+                     (kSide * kSide);
+        }
       }
       squared_error += std::pow(noise.at(x, y, footprint) - average, 2);
       squared_rest += std::pow(noise.at(x, y, 0.0) - average, 2);

@@ -67,7 +67,9 @@ class Shading {
 
   Sample sample(int x, int y, int k, int side, const std::vector<RigidTransform>& poses) const {
     const RigidTransform& pose = poses[static_cast<std::size_t>(k)];
-    const auto ray = camera_.ray({x + (k % side + 0.5) / side - 0.5, y + (k / side + 0.5) / side - 0.5});
+    const int column = k % side;
+    const int row = k / side;
+    const auto ray = camera_.ray({x + (column + 0.5) / side - 0.5, y + (row + 0.5) / side - 0.5});
     if (!ray) return {};
     const Eigen::Vector3d direction = pose.rotation * *ray;
     const auto hit = world_.scene.hit(pose.translation, direction);
