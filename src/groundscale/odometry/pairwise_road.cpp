@@ -32,7 +32,8 @@ RoadObservations observations_of(const Matches& matches, const CameraPtr& camera
 }  // namespace
 
 bool PairwiseOdometry::needs_search() const {
-  return !scaled_ || (refused_in_a_row_ > 0 && refused_in_a_row_ % options_.ground.search_after == 0);
+  const bool after_loss = !results_.empty() && results_.back().state == FrameState::kLost;
+  return !scaled_ || after_loss || (refused_in_a_row_ > 0 && refused_in_a_row_ % options_.ground.search_after == 0);
 }
 
 RoadWarp PairwiseOdometry::expected_warp(const Pair& pair, double expected_distance_m) const {
