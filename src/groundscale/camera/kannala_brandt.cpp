@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "groundscale/camera/checks_internal.hpp"
+
 namespace groundscale {
 namespace {
 
@@ -41,21 +43,11 @@ KannalaBrandtCamera::KannalaBrandtCamera(const KannalaBrandtParameters& paramete
 
 Result<CameraPtr> KannalaBrandtCamera::create(const KannalaBrandtParameters& parameters, int width, int height) {
   const KannalaBrandtParameters& p = parameters;
-  if (width <= 0 || height <= 0) {
-    return Error{ErrorCode::kBadInput, fmt::format("image size is {}x{}, both must be above 0", width, height)};
-  }
-  const std::pair<const char*, double> named[] = {{"fx", p.fx}, {"fy", p.fy}, {"cx", p.cx}, {"cy", p.cy},
-                                                  {"k1", p.k1}, {"k2", p.k2}, {"k3", p.k3}, {"k4", p.k4}};
-  for (const auto& [name, value] : named) {
-    if (!std::isfinite(value)) {
-      return Error{ErrorCode::kBadInput, fmt::format("{} is {}, it must be a finite number", name, value)};
-    }
-  }
-  for (const auto& [name, value] : {named[0], named[1]}) {
-    if (value <= 0.0) {
-      return Error{ErrorCode::kBadInput, fmt::format("{} is {}, a focal length must be above 0", name, value)};
-    }
-  }
+  if (auto size = internal::check_image_size(width, height); !size) return size.error();
+  const auto finite = internal::check_finite(
+      {{"fx", p.fx}, {"fy", p.fy}, {"cx", p.cx}, {"cy", p.cy}, {"k1", p.k1}, {"k2", p.k2}, {"k3", p.k3}, {"k4", p.k4}});
+  if (!finite) return finite.error();
+  if (auto focal = internal::check_focal_lengths({{"fx", p.fx}, {"fy", p.fy}}); !focal) return focal.error();
   std::shared_ptr<const KannalaBrandtCamera> camera(new KannalaBrandtCamera(parameters, width, height));
   const double right = width - 1.0;
   const double bottom = height - 1.0;

@@ -7,6 +7,8 @@
 #include <Eigen/LU>
 #include <fmt/format.h>
 
+#include "groundscale/camera/checks_internal.hpp"
+
 namespace groundscale {
 
 OcamCamera::OcamCamera(const OcamParameters& parameters, int width, int height)
@@ -38,19 +40,15 @@ OcamCamera::OcamCamera(const OcamParameters& parameters, int width, int height)
 Result<CameraPtr> OcamCamera::create(const OcamParameters& parameters, int width, int height) {
   const OcamParameters& p = parameters;
   const auto refuse = [](std::string message) { return Error{ErrorCode::kBadInput, std::move(message)}; };
-  if (width <= 0 || height <= 0) {
-    return refuse(fmt::format("image size is {}x{}, both must be above 0", width, height));
-  }
+  if (auto size = internal::check_image_size(width, height); !size) return size.error();
   if (p.polynomial.empty()) return refuse("the polynomial has no coefficients");
   for (const double value : p.polynomial) {
-    if (!std::isfinite(value)) {
-      return refuse(fmt::format("a coefficient of the polynomial is {}, it must be a finite number", value));
+    if (auto finite = internal::check_finite({{"a coefficient of the polynomial", value}}); !finite) {
+      return finite.error();
     }
   }
-  const std::pair<const char*, double> named[] = {{"cx", p.cx}, {"cy", p.cy}, {"c", p.c}, {"d", p.d}, {"e", p.e}};
-  for (const auto& [name, value] : named) {
-    if (!std::isfinite(value)) return refuse(fmt::format("{} is {}, it must be a finite number", name, value));
-  }
+  const auto finite = internal::check_finite({{"cx", p.cx}, {"cy", p.cy}, {"c", p.c}, {"d", p.d}, {"e", p.e}});
+  if (!finite) return finite.error();
   if (!(p.polynomial.front() < 0.0)) {
     return refuse(
         fmt::format("the polynomial begins with {}, it must be negative: minus the focal length in the middle",

@@ -7,6 +7,8 @@
 #include <Eigen/LU>
 #include <fmt/format.h>
 
+#include "groundscale/camera/checks_internal.hpp"
+
 namespace groundscale {
 namespace {
 
@@ -50,21 +52,18 @@ PinholeCamera::PinholeCamera(const PinholeParameters& parameters, int width, int
 
 Result<CameraPtr> PinholeCamera::create(const PinholeParameters& parameters, int width, int height) {
   const PinholeParameters& p = parameters;
-  if (width <= 0 || height <= 0) {
-    return Error{ErrorCode::kBadInput, fmt::format("image size is {}x{}, both must be above 0", width, height)};
-  }
-  const std::pair<const char*, double> named[] = {{"fx", p.fx}, {"fy", p.fy}, {"cx", p.cx}, {"cy", p.cy}, {"k1", p.k1},
-                                                  {"k2", p.k2}, {"p1", p.p1}, {"p2", p.p2}, {"k3", p.k3}};
-  for (const auto& [name, value] : named) {
-    if (!std::isfinite(value)) {
-      return Error{ErrorCode::kBadInput, fmt::format("{} is {}, it must be a finite number", name, value)};
-    }
-  }
-  for (const auto& [name, value] : {named[0], named[1]}) {
-    if (value <= 0.0) {
-      return Error{ErrorCode::kBadInput, fmt::format("{} is {}, a focal length must be above 0", name, value)};
-    }
-  }
+  if (auto size = internal::check_image_size(width, height); !size) return size.error();
+  const auto finite = internal::check_finite({{"fx", p.fx},
+                                              {"fy", p.fy},
+                                              {"cx", p.cx},
+                                              {"cy", p.cy},
+                                              {"k1", p.k1},
+                                              {"k2", p.k2},
+                                              {"p1", p.p1},
+                                              {"p2", p.p2},
+                                              {"k3", p.k3}});
+  if (!finite) return finite.error();
+  if (auto focal = internal::check_focal_lengths({{"fx", p.fx}, {"fy", p.fy}}); !focal) return focal.error();
   std::shared_ptr<const PinholeCamera> camera(new PinholeCamera(parameters, width, height));
   for (const double x : {0.0, 0.5 * (width - 1), width - 1.0}) {
     for (const double y : {0.0, 0.5 * (height - 1), height - 1.0}) {
