@@ -53,8 +53,8 @@ Result<PairwiseOdometry> PairwiseOdometry::create(const CameraSetup& setup, cons
   PairwiseOdometry odometry(setup, options);
   const Mounting mounting = odometry.mounting_.mounting();
   const GroundPlane road{mounting.normal_in_cam(), *setup.height_m};
-  const Image strip = region_mask({mounting.forward_in_cam(), 0.0}, road, *setup.camera, options.road.region);
-  const Image region = strip.empty() ? strip : intersect_masks(strip, odometry.tracking_mask_);
+  const Image region = restrict_region(
+      region_mask({mounting.forward_in_cam(), 0.0}, road, *setup.camera, options.road.region), odometry.tracking_mask_);
   // An unlikely height says more about its unit than about where the road is: the run goes on, with a warning.
   if (mask_area(region) == 0 && *setup.height_m <= kUnlikelyHeightM) {
     if (!options.road.region.polygon_px.empty()) {

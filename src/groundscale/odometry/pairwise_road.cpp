@@ -74,7 +74,7 @@ std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const P
   RoadWarp warp = expected_warp(pair, expected_distance_m);
   const auto region_of = [&](const RoadWarp& expected) {
     const Image strip = region_mask(path_of(expected), expected.road_in_cam1, *camera_, options_.road.region);
-    return strip.empty() ? strip : intersect_masks(intersect_masks(strip, tracking_mask_), pair.partner->road_mask);
+    return restrict_region(restrict_region(strip, tracking_mask_), pair.partner->road_mask);
   };
   Image region = region_of(warp);
   if (needs_search()) {

@@ -151,6 +151,10 @@ Image region_mask(const DrivenPath& path, const GroundPlane& metric_road, const 
   return filled(quads, camera.width(), camera.height());
 }
 
+Image restrict_region(const Image& region, const Image& allowed) {
+  return region.empty() ? region : intersect_masks(region, allowed);
+}
+
 Image intersect_masks(const Image& a, const Image& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;

@@ -52,6 +52,9 @@ Image region_mask(const DrivenPath& path, const GroundPlane& metric_road, const 
 /// a and b, pixel by pixel; an empty mask allows everything.
 Image intersect_masks(const Image& a, const Image& b);
 
+/// A region where a mask allows it, an empty mask everywhere; unlike two masks, an empty region stays empty.
+Image restrict_region(const Image& region, const Image& allowed);
+
 /// Number of pixels that a mask allows.
 int mask_area(const Image& mask);
 
