@@ -158,14 +158,18 @@ std::string nearest_field(const std::string& name, const std::vector<std::string
   return nearest_name(name, same_key.empty() ? known : same_key);
 }
 
+/// Where the first field of a group is; the end where the name is no group's.
+std::vector<std::string>::const_iterator first_in_group(const std::string& name,
+                                                        const std::vector<std::string>& known) {
+  return std::find_if(known.begin(), known.end(),
+                      [group = name + "."](const std::string& field) { return field.starts_with(group); });
+}
+
 Result<void> set_fields(const GivenByName& given, const VisitOptions& visit) {
   const std::vector<std::string> known = field_names(visit);
   for (const auto& [name, value] : given) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const auto inside = std::find_if(known.begin(), known.end(), [section = name + "."](const std::string& key) {
-      return key.starts_with(section);
-    });
-    if (inside != known.end()) {
+    if (const auto inside = first_in_group(name, known); inside != known.end()) {
       return bad_input(fmt::format("{}: is a section, a key of it is '{}'", value.place, *inside));
     }
     return bad_input(fmt::format("{}: unknown key, the nearest is '{}'", value.place, nearest_field(name, known)));
@@ -178,11 +182,6 @@ Result<void> set_fields(const GivenByName& given, const VisitOptions& visit) {
   return {};
 }
 
-bool names_a_group(const std::string& name, const std::vector<std::string>& known) {
-  return std::any_of(known.begin(), known.end(),
-                     [&](const std::string& field) { return field.compare(0, name.size() + 1, name + ".") == 0; });
-}
-
 /// Collects the leaves of a mapping under their dotted names.
 Result<void> flatten(const internal::YamlPlace& map, const std::vector<std::string>& known, GivenByName* given) {
   for (const auto& entry : map.node) {
@@ -190,7 +189,7 @@ Result<void> flatten(const internal::YamlPlace& map, const std::vector<std::stri
     const std::string name = (map.key.empty() ? "" : map.key + ".") + entry.first.Scalar();
     const internal::YamlPlace key{entry.first, map.source_name, name};
     const internal::YamlPlace value{entry.second, map.source_name, name};
-    if (names_a_group(name, known)) {
+    if (first_in_group(name, known) != known.end()) {
       if (value.node.IsNull()) continue;
       if (!value.node.IsMap()) return key.error("is a section, it must hold keys");
       if (Result<void> inner = flatten(value, known, given); !inner) return inner;
