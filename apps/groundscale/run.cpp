@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,7 +6,6 @@
 #include <numbers>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -29,6 +26,7 @@
 #include "groundscale/odometry/run_source.hpp"
 #include "groundscale/odometry/run_writer.hpp"
 #include "groundscale/report/overlay.hpp"
+#include "progress.hpp"
 
 namespace groundscale {
 namespace {
@@ -121,31 +119,6 @@ Result<CameraSetup> read_camera(const RunArguments& arguments, const RunSource& 
   return setup;
 }
 
-/// Frame, rate and distance so far, on one line of a terminal.
-class Progress {
- public:
-  Progress(bool shown, int frames) : shown_(shown), frames_(frames) {}
-  ~Progress() {
-    if (shown_) fmt::print(stderr, "\r\033[K");
-  }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void show(int done, double seconds, std::optional<double> metres) {
-    constexpr double kIntervalS = 0.2;
-    if (!shown_ || seconds - last_ < kIntervalS) return;
-    last_ = seconds;
-    fmt::print(stderr, "\rframe {} of {}, {:.1f} a second, {}\033[K", done, frames_, done / seconds,
-               metres ? fmt::format("{:.1f} m", *metres) : std::string("no scale yet"));
-    std::fflush(stderr);
-  }
-
- private:
-  bool shown_;
-  int frames_;
-  double last_ = 0.0;
-};
-
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -175,7 +148,7 @@ struct Drive {
 
 Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments& arguments, RunSummary& summary) {
   auto& [sequence, camera, masks, odometry] = drive;
-  Progress progress(!arguments.quiet && isatty(STDERR_FILENO) != 0, sequence.frame_count());
+  Progress progress(!arguments.quiet, sequence.frame_count());
   const auto start = std::chrono::steady_clock::now();
   std::vector<double> frame_ms;
   double decoding_s = 0.0;
@@ -193,10 +166,8 @@ Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments
       if (const auto done = write_overlay(arguments.overlay_folder, *frame, odometry, camera); !done) return done;
     }
     // Steps from before the scale was known have become metres with it.
-    const bool first_scaled = !metres && odometry.scaled();
-    if (first_scaled) metres = length_of(odometry.results());
-    if (!first_scaled && metres) *metres += result.online_step_m;
-    progress.show(static_cast<int>(frame_ms.size()), seconds_since(start), metres);
+    if (odometry.scaled()) metres = metres ? *metres + result.online_step_m : length_of(odometry.results());
+    progress.show(static_cast<int>(frame_ms.size()), metres ? fmt::format("{:.1f} m", *metres) : "no scale yet");
   }
   odometry.finish();
   summary.wall_s = seconds_since(start);
@@ -226,30 +197,16 @@ void print_summary(const RunSummary& s, const std::string& output) {
 /// Found out before anything is written: pictures never fall on what they show, nor on anything else unasked.
 Result<void> check_overlay(const RunArguments& arguments, const RunSource& source) {
   namespace fs = std::filesystem;
-  const fs::path folder = arguments.overlay_folder;
-  std::error_code ignored;
-  if (folder.empty() || !fs::exists(folder, ignored)) return {};
-  const auto refuse = [&folder](std::string_view why) {
-    return Error{ErrorCode::kBadInput, fmt::format("--overlay {}: {}", folder.string(), why)};
-  };
-  if (!fs::is_directory(folder, ignored)) return refuse("is a file, a folder is needed");
+  const std::string& folder = arguments.overlay_folder;
+  if (folder.empty()) return {};
   std::vector<fs::path> inputs = {source.source, source.road_masks};
   for (int k = 0; k < 4; ++k) inputs.push_back(fs::path(source.source) / fmt::format("image_{}", k));
   for (const fs::path& input : inputs) {
-    if (!input.empty() && fs::equivalent(folder, input, ignored)) return refuse("holds the input, another is needed");
+    std::error_code ignored;
+    if (input.empty() || !fs::is_directory(folder, ignored) || !fs::equivalent(folder, input, ignored)) continue;
+    return Error{ErrorCode::kBadInput, fmt::format("--overlay {}: holds the input, another is needed", folder)};
   }
-  if (!arguments.force && !fs::is_empty(folder, ignored)) {
-    return refuse("exists and isn't empty; --force overwrites it");
-  }
-  return {};
-}
-
-Result<void> make_folder(const std::string& folder) {
-  std::error_code error;
-  if (!folder.empty()) std::filesystem::create_directories(folder, error);
-  if (error)
-    return Error{ErrorCode::kBadInput, fmt::format("--overlay {}: can't be made: {}", folder, error.message())};
-  return {};
+  return check_output_folder("--overlay", folder, arguments.force);
 }
 
 /// Nothing without a folder.
@@ -318,7 +275,9 @@ Result<void> run(const RunArguments& arguments) {
   if (const auto free = check_overlay(arguments, source); !free) return free;
   auto writer = RunWriter::create(arguments.output, arguments.force);
   if (!writer) return writer.error();
-  if (const auto made = make_folder(arguments.overlay_folder); !made) return made;
+  if (!arguments.overlay_folder.empty()) {
+    if (const auto made = make_output_folder("--overlay", arguments.overlay_folder); !made) return made;
+  }
 
   summary.source = source.source;
   summary.seed = config->odometry.seed;

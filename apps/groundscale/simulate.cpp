@@ -6,10 +6,10 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "commands.hpp"
 #include "groundscale/simulation/drive_simulation.hpp"
+#include "progress.hpp"
 
 namespace groundscale {
 namespace {
@@ -35,12 +35,12 @@ Result<void> simulate(const SimulateArguments& arguments) {
   options.seed = arguments.seed;
   const World world = make_world(route->path, options);
   const auto frames = truth_of_drive(world, *route, *camera, arguments.frames, arguments.seed);
-  const bool shown = !arguments.quiet && isatty(STDERR_FILENO) != 0;
-  const auto written = write_drive(world, frames, *camera, arguments.output, arguments.seed, [&](int done) {
-    if (shown) fmt::print(stderr, "\rrendering frame {} of {}", done, frames.size());
-  });
-  if (shown) fmt::print(stderr, "\n");
-  if (!written) return written;
+  {
+    Progress progress(!arguments.quiet, static_cast<int>(frames.size()));
+    const auto written = write_drive(world, frames, *camera, arguments.output, arguments.seed,
+                                     [&progress](int done) { progress.show(done, ""); });
+    if (!written) return written;
+  }
   fmt::print("{} frames of '{}' as '{}' sees it, seed {}: {}\n", frames.size(), arguments.route, arguments.preset,
              arguments.seed, arguments.output.folder);
   return {};

@@ -88,4 +88,23 @@ Result<void> LineWriter::write(std::string_view line) {
   return error;
 }
 
+Result<void> check_output_folder(const std::string& option, const std::string& folder, bool force) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(folder, ignored)) return {};
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    return internal::bad_input(fmt::format("{} {}: is a file, a folder is needed", option, folder));
+  }
+  if (!std::filesystem::is_empty(folder, ignored) && !force) {
+    return internal::bad_input(fmt::format("{} {}: exists and isn't empty; --force overwrites it", option, folder));
+  }
+  return {};
+}
+
+Result<void> make_output_folder(const std::string& option, const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error) return {};
+  return internal::bad_input(fmt::format("{} {}: can't be made: {}", option, folder, error.message()));
+}
+
 }  // namespace groundscale

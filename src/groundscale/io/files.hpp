@@ -16,6 +16,13 @@ Result<std::string> read_text(const std::string& path);
 /// Writes beside and renames, so that the file is whole or as it was. @return kIo with path and the system's reason.
 Result<void> write_text(const std::string& path, std::string_view text);
 
+/// Whether results may be written into a folder: it isn't there, is empty, or `force` is set.
+/// @param option  The command line's name of it, for messages: "--output".
+/// @return kBadInput "option folder: why".
+Result<void> check_output_folder(const std::string& option, const std::string& folder, bool force);
+/// Makes a folder with all above it. @return kBadInput, as above.
+Result<void> make_output_folder(const std::string& option, const std::string& folder);
+
 /// A file that grows line by line and stays valid: each `write` reports a full disk at once and leaves no part of its
 /// line behind.
 class LineWriter {

@@ -108,20 +108,9 @@ void add_figures(const PairwiseOdometry& odometry, RunSummary& summary) {
 }
 
 Result<RunWriter> RunWriter::create(const std::string& folder, bool force) {
+  if (const auto free = check_output_folder("--output", folder, force); !free) return free.error();
+  if (const auto made = make_output_folder("--output", folder); !made) return made.error();
   std::error_code error;
-  if (fs::exists(folder, error)) {
-    if (!fs::is_directory(folder, error)) {
-      return Error{ErrorCode::kBadInput, fmt::format("--output {}: is a file, a folder is needed", folder)};
-    }
-    if (!fs::is_empty(folder, error) && !force) {
-      return Error{ErrorCode::kBadInput,
-                   fmt::format("--output {}: exists and isn't empty; --force overwrites it", folder)};
-    }
-  }
-  fs::create_directories(folder, error);
-  if (error) {
-    return Error{ErrorCode::kBadInput, fmt::format("--output {}: can't be made: {}", folder, error.message())};
-  }
   for (const std::string_view file : kFiles) fs::remove(fs::path(folder) / file, error);
   auto kitti = LineWriter::create((fs::path(folder) / "online.kitti").string());
   if (!kitti) return Error{ErrorCode::kBadInput, kitti.error().message};

@@ -14,13 +14,11 @@ constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 /// as Mounting's.
 Eigen::Matrix3d vehicle_axes(const RoadSurface& surface, double distance_m, const Mounting& lean) {
   const PathPoint point = surface.path().at(distance_m);
-  const Eigen::Vector3d level_forward(std::sin(point.heading_rad), 0.0, std::cos(point.heading_rad));
-  const Eigen::Vector3d level_right(std::cos(point.heading_rad), 0.0, -std::sin(point.heading_rad));
   const Eigen::Vector3d up = -Eigen::Vector3d::UnitY();
   const double offset = surface.profile().lane_offset_m;
   const double fall = offset > 0.0 ? surface.profile().crown : 0.0;  // to the right of the crest
-  const Eigen::Vector3d forward = (level_forward + point.slope * up).normalized();
-  const Eigen::Vector3d sideways = level_right - fall * up;
+  const Eigen::Vector3d forward = (point.forward() + point.slope * up).normalized();
+  const Eigen::Vector3d sideways = point.right() - fall * up;
   const Eigen::Vector3d right = (sideways - sideways.dot(forward) * forward).normalized();
   Eigen::Matrix3d road;
   road << right, forward.cross(right), forward;

@@ -1,15 +1,11 @@
 #include "groundscale/simulation/drive_simulation.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <string_view>
-#include <system_error>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "groundscale/camera/pinhole.hpp"
 #include "groundscale/io/camera_file.hpp"
@@ -17,11 +13,11 @@
 #include "groundscale/io/image_file.hpp"
 #include "groundscale/io/trajectory_file.hpp"
 #include "groundscale/road/region.hpp"
+#include "groundscale/simulation/named_internal.hpp"
 
 namespace groundscale {
 namespace {
 
-namespace fs = std::filesystem;
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 CameraPtr pinhole(const PinholeParameters& parameters, int width, int height) {
@@ -70,9 +66,8 @@ GroundPlane plane_ahead(const RoadSurface& surface, double distance_m, const Rig
   Eigen::Vector3d sums = Eigen::Vector3d::Zero();
   for (double along = region.near_m; along <= region.far_m; along += kAlongM) {
     const PathPoint point = surface.path().at(distance_m + along);
-    const Eigen::Vector3d right(std::cos(point.heading_rad), 0.0, -std::sin(point.heading_rad));
     for (double aside = -region.half_width_m; aside <= region.half_width_m; aside += kAsideM) {
-      Eigen::Vector3d place = point.position + aside * right;
+      Eigen::Vector3d place = point.position + aside * point.right();
       const RoadPlace on_ground = surface.locate(place.x(), place.z());
       if (on_ground.ground != Ground::kRoad) continue;
       place.y() = surface.ground_y(on_ground);
@@ -93,19 +88,6 @@ std::string truth_row(int frame, const FrameTruth& truth) {
                      n.y(), n.z(), truth.speed_mps);
 }
 
-Result<void> make_folder(const DriveOutput& output) {
-  std::error_code failed;
-  if (fs::exists(output.folder, failed) && !output.force) {
-    if (!fs::is_directory(output.folder, failed) || !fs::is_empty(output.folder, failed)) {
-      return Error{ErrorCode::kBadInput,
-                   fmt::format("{}: there is something already; --force overwrites it", output.folder)};
-    }
-  }
-  fs::create_directories(fs::path(output.folder) / "image_0", failed);
-  if (failed) return Error{ErrorCode::kBadInput, fmt::format("{}: can't be made: {}", output.folder, failed.message())};
-  return {};
-}
-
 Result<void> write_calibration(const std::string& folder, const SimulatedCamera& simulated) {
   const CameraRig& rig = simulated.rig;
   CameraSetup setup;
@@ -123,21 +105,8 @@ Result<void> write_calibration(const std::string& folder, const SimulatedCamera&
 
 }  // namespace
 
-const std::vector<std::string_view>& camera_preset_names() {
-  static const std::vector<std::string_view> names = [] {
-    std::vector<std::string_view> all;
-    for (const NamedPreset& preset : kPresets) all.push_back(preset.name);
-    return all;
-  }();
-  return names;
-}
-
 Result<SimulatedCamera> find_camera_preset(std::string_view name) {
-  for (const NamedPreset& preset : kPresets) {
-    if (preset.name == name) return preset.make();
-  }
-  return Error{ErrorCode::kBadInput,
-               fmt::format("'{}' is no preset, known: {}", name, fmt::join(camera_preset_names(), ", "))};
+  return internal::make_named(kPresets, name, "preset");
 }
 
 std::vector<FrameTruth> truth_of_drive(const World& world, const Route& route, const SimulatedCamera& camera,
@@ -160,8 +129,7 @@ std::vector<FrameTruth> truth_of_drive(const World& world, const Route& route, c
     frame.world_from_cam = poses[k];
     frame.shutter = {open[k], close[k]};
     frame.speed_mps = states[k].speed_mps;
-    CameraRig level;
-    const RigidTransform rest = camera_at_rest(world.surface, states[k].distance_m, level);
+    const RigidTransform rest = camera_at_rest(world.surface, states[k].distance_m, CameraRig{});
     const Eigen::Vector3d foot = world.surface.path().at(states[k].distance_m).position;
     frame.height_m = rest.rotation.col(1).dot(foot - poses[k].translation);
     frame.plane = plane_ahead(world.surface, states[k].distance_m, poses[k]);
@@ -171,7 +139,8 @@ std::vector<FrameTruth> truth_of_drive(const World& world, const Route& route, c
 
 Result<void> write_drive(const World& world, const std::vector<FrameTruth>& frames, const SimulatedCamera& camera,
                          const DriveOutput& output, std::uint64_t seed, const std::function<void(int)>& progress) {
-  if (auto done = make_folder(output); !done) return done;
+  if (auto free = check_output_folder("--output", output.folder, output.force); !free) return free;
+  if (auto done = make_output_folder("--output", output.folder + "/image_0"); !done) return done;
   if (auto done = write_calibration(output.folder, camera); !done) return done;
   // All that is known beforehand first: a drive that ends early is a shorter drive, once its rows are cut.
   std::string times;

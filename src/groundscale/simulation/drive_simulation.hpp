@@ -27,7 +27,6 @@ struct SimulatedCamera {
 
 /// @return kBadInput with the list of names where there is no preset of this one.
 Result<SimulatedCamera> find_camera_preset(std::string_view name);
-const std::vector<std::string_view>& camera_preset_names();
 
 /// What a frame of a simulated drive truly is.
 struct FrameTruth {

@@ -25,27 +25,27 @@ double cell_value(std::int64_t column, std::int64_t row, std::uint64_t seed) {
 }
 
 /// Paint of lane markings: a dashed line on the crest, a line along each edge.
-double marking(double along, double across, double footprint, const AsphaltOptions& o) {
+double marking(double along, double across, double footprint, const RoadProfile& profile) {
   constexpr double kHalfLineM = 0.06;
   constexpr double kDashM = 3.0;
   constexpr double kPeriodM = 9.0;
   constexpr double kEdgeM = 0.3;  // from the kerb
   const double in_period = along - kPeriodM * std::floor(along / kPeriodM);
   const double dash = covered(in_period, 0.0, kDashM, footprint) * covered(across, -kHalfLineM, kHalfLineM, footprint);
-  const double edge = o.half_width_m - kEdgeM;
+  const double edge = profile.half_width_m - kEdgeM;
   return dash + covered(std::abs(across), edge - kHalfLineM, edge + kHalfLineM, footprint);
 }
 
 /// Mended rectangles: each cell of 6 m by a lane may hold one. Returns -1 to 1 for its tint, 0 outside.
-double patch(double along, double across, const AsphaltOptions& o, std::uint64_t seed) {
+double patch(double along, double across, const RoadLook& road, std::uint64_t seed) {
   constexpr double kCellM = 6.0;
-  const double width = o.half_width_m;
+  const double width = road.profile.half_width_m;
   const auto column = static_cast<std::int64_t>(std::floor(along / kCellM));
   const auto row = static_cast<std::int64_t>(std::floor(across / width));
   Rng rng(seed ^ (static_cast<std::uint64_t>(column) * 0x9e3779b97f4a7c15ULL) ^ static_cast<std::uint64_t>(row + 8));
   // Rectangles fill a third of their cell on average.
   constexpr double kFilled = 0.33;
-  if (rng.uniform() * kFilled > o.patches_share) return 0.0;
+  if (rng.uniform() * kFilled > road.asphalt.patches_share) return 0.0;
   const double length = kCellM * rng.uniform(0.3, 0.9);
   const double breadth = width * rng.uniform(0.3, 0.8);
   const double from = rng.uniform(0.0, kCellM - length);
@@ -67,7 +67,9 @@ double crack(double along, double across, double footprint, std::uint64_t seed) 
   return covered(field * kSpacingM, -0.5 * kWidthM, 0.5 * kWidthM, footprint);
 }
 
-double asphalt_albedo(const Eigen::Vector2d& uv, double footprint, const AsphaltOptions& o, std::uint64_t seed) {
+double asphalt_albedo(const Eigen::Vector2d& uv, double footprint, const RoadLook& road, std::uint64_t seed) {
+  const AsphaltOptions& o = road.asphalt;
+  const RoadProfile& profile = road.profile;
   const double along = uv.x();
   const double across = uv.y();
   const FractalNoise grain{
@@ -78,17 +80,17 @@ double asphalt_albedo(const Eigen::Vector2d& uv, double footprint, const Asphalt
   // Wheel tracks are polished dark; the gutter is dirty.
   constexpr double kHalfTrackM = 0.75;
   constexpr double kTrackSdM = 0.22;
-  const double from_track = std::abs(std::abs(std::abs(across) - o.lane_offset_m) - kHalfTrackM);
+  const double from_track = std::abs(std::abs(std::abs(across) - profile.lane_offset_m) - kHalfTrackM);
   tone -= 0.06 * std::exp(-0.5 * std::pow(from_track / kTrackSdM, 2));
-  tone -= 0.15 * covered(std::abs(across), o.half_width_m - 0.25, o.half_width_m + 1.0, footprint);
-  tone += 0.18 * patch(along, across, o, seed + 200);
+  tone -= 0.15 * covered(std::abs(across), profile.half_width_m - 0.25, profile.half_width_m + 1.0, footprint);
+  tone += 0.18 * patch(along, across, road, seed + 200);
   tone -= 0.45 * crack(along, across, footprint, seed + 300);
   double value = o.albedo * tone;
   if (o.markings) {
     const FractalNoise wear{.seed = seed + 400, .longest_m = 0.4, .octaves = 5, .first_sd = 0.5, .persistence = 0.9};
     const double left = std::clamp(0.5 + 2.0 * (wear.at(along, across, footprint) + 0.5 - o.marking_wear), 0.0, 1.0);
     constexpr double kPaint = 0.55;
-    const double paint = std::min(1.0, marking(along, across, footprint, o)) * left;
+    const double paint = std::min(1.0, marking(along, across, footprint, profile)) * left;
     value += paint * (kPaint - value);
   }
   return value;
@@ -149,7 +151,7 @@ int material_code(Material material, int variant) {
   return static_cast<int>(material) * kVariants + variant % kVariants;
 }
 
-double albedo(int material_code, const Eigen::Vector2d& uv, double footprint_m, const AsphaltOptions& asphalt,
+double albedo(int material_code, const Eigen::Vector2d& uv, double footprint_m, const RoadLook& road,
               std::uint64_t seed) {
   const auto material = static_cast<Material>(material_code / kVariants);
   const int variant = material_code % kVariants;
@@ -157,7 +159,7 @@ double albedo(int material_code, const Eigen::Vector2d& uv, double footprint_m, 
   double value = 0.0;
   switch (material) {
     case Material::kAsphalt:
-      value = asphalt_albedo(uv, footprint_m, asphalt, seed);
+      value = asphalt_albedo(uv, footprint_m, road, seed);
       break;
     case Material::kKerb:
       value = tiles_albedo(uv, footprint_m, 1.0, 0.35, seed + 600);

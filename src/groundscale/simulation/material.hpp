@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "groundscale/simulation/road_surface.hpp"
+
 namespace groundscale {
 
 /// What surfaces of the world are made of. `uv` of their triangles, in metres: distance along and across the road (from
@@ -21,12 +23,16 @@ struct AsphaltOptions {
   double patches_share = 0.08;  ///< Of the road, mended.
   double marking_wear = 0.35;   ///< Share of the paint that is gone.
   bool markings = true;
-  double half_width_m = 3.6;    ///< Where edge lines and gutters lie.
-  double lane_offset_m = 1.75;  ///< Of the wheel tracks' middle from the crest.
+};
+
+/// Asphalt, and the road that it lies on: edge lines, gutters and wheel tracks go by its profile.
+struct RoadLook {
+  const AsphaltOptions& asphalt;
+  const RoadProfile& profile;
 };
 
 /// Share of light that a surface sends back, 0 to 1, averaged over a patch of side `footprint_m`.
-double albedo(int material_code, const Eigen::Vector2d& uv, double footprint_m, const AsphaltOptions& asphalt,
+double albedo(int material_code, const Eigen::Vector2d& uv, double footprint_m, const RoadLook& road,
               std::uint64_t seed);
 
 }  // namespace groundscale

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include <Eigen/Core>
@@ -13,6 +14,10 @@ struct PathPoint {
   double heading_rad = 0.0;      ///< Direction of travel seen from above, (sin, cos) in (x, z): to the right of z.
   double curvature_per_m = 0.0;  ///< Change of heading over distance: positive in a right turn.
   double slope = 0.0;            ///< Rise over distance: positive uphill.
+
+  /// Unit vectors of the direction of travel and to its right, seen from above (level whatever the slope).
+  Eigen::Vector3d forward() const { return {std::sin(heading_rad), 0.0, std::cos(heading_rad)}; }
+  Eigen::Vector3d right() const { return {std::cos(heading_rad), 0.0, -std::sin(heading_rad)}; }
 };
 
 /// A piece of a path whose curvature changes evenly from where the piece before ended (0 at the start): straight,

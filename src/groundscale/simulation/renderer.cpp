@@ -77,7 +77,8 @@ class Shading {
     // Of a pixel's share seen at a slant, the side of a square of the same area.
     const double slant = std::max(0.02, -hit->normal.dot(direction));
     const double footprint = hit->distance_m / (camera_.focal_px() * side) / std::sqrt(slant);
-    const double value = albedo(hit->material, hit->uv, footprint, world_.options.asphalt, world_.options.seed);
+    const double value = albedo(hit->material, hit->uv, footprint, {world_.options.asphalt, world_.options.profile},
+                                world_.options.seed);
     const Eigen::Vector3d place = pose.translation + hit->distance_m * direction;
     const double facing = hit->normal.dot(sun_);
     constexpr double kOffM = 2e-3;  // off the surface, against its own roughness in single precision

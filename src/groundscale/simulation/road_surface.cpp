@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kSampleM = 0.5;
 constexpr double kCellM = 10.0;
-constexpr double kKerbWidthM = 0.15;
 /// Samples further apart along the path than this belong to different passes.
 constexpr double kSamePassM = 30.0;
 
@@ -67,8 +66,7 @@ RoadPlace RoadSurface::locate(double x, double z) const {
   const auto same_pass = static_cast<int>(kSamePassM / kSampleM);
   int best = -1;
   double best_distance = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < cell->second.size(); ++i) {
-    const int k = cell->second[i];
+  for (const int k : cell->second) {
     if (best >= 0 && k - best > same_pass) {
       if (best_distance < chosen_distance) std::tie(chosen, chosen_distance) = std::pair(best, best_distance);
       if (chosen_distance < covered) break;
@@ -90,9 +88,9 @@ RoadPlace RoadSurface::locate(double x, double z) const {
   const double aside = std::abs(place.from_crest_m);
   if (aside <= profile_.half_width_m) {
     place.ground = Ground::kRoad;
-  } else if (aside <= profile_.half_width_m + kKerbWidthM) {
+  } else if (aside <= profile_.half_width_m + profile_.kerb_width_m) {
     place.ground = Ground::kKerb;
-  } else if (aside <= profile_.half_width_m + kKerbWidthM + profile_.pavement_m) {
+  } else if (aside <= profile_.half_width_m + profile_.kerb_width_m + profile_.pavement_m) {
     place.ground = Ground::kPavement;
   }
   return place;
@@ -102,9 +100,8 @@ double RoadSurface::rise(double from_crest_m) const {
   const double aside = std::abs(from_crest_m);
   const double on_road = std::min(aside, profile_.half_width_m);
   double rise = -profile_.crown * on_road;
-  constexpr double kFaceM = 0.02;  // the kerb's face leans a little
-  rise += profile_.kerb_m * std::clamp((aside - profile_.half_width_m) / kFaceM, 0.0, 1.0);
-  const double beyond = aside - profile_.half_width_m - kKerbWidthM - profile_.pavement_m;
+  rise += profile_.kerb_m * std::clamp((aside - profile_.half_width_m) / profile_.kerb_face_m, 0.0, 1.0);
+  const double beyond = aside - profile_.half_width_m - profile_.kerb_width_m - profile_.pavement_m;
   return rise + profile_.verge_slope * std::clamp(beyond, 0.0, profile_.verge_m);
 }
 

@@ -16,6 +16,8 @@ struct RoadProfile {
   double half_width_m = 3.6;    ///< From the crest to the kerb.
   double crown = 0.02;          ///< Fall to the side, over distance.
   double kerb_m = 0.12;         ///< Height of the kerb; 0: none.
+  double kerb_width_m = 0.15;   ///< Its top, the face included.
+  double kerb_face_m = 0.02;    ///< Seen from above: it leans a little.
   double pavement_m = 2.0;      ///< Width beyond the kerb.
   double verge_slope = 0.05;    ///< Rise beyond the pavement, over distance.
   double verge_m = 6.0;         ///< Beyond it the ground is level.

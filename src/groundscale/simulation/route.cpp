@@ -5,10 +5,8 @@
 #include <numbers>
 #include <utility>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "groundscale/core/check.hpp"
+#include "groundscale/simulation/named_internal.hpp"
 
 namespace groundscale {
 namespace {
@@ -104,12 +102,7 @@ const std::vector<std::string_view>& route_names() {
   return names;
 }
 
-Result<Route> find_route(std::string_view name) {
-  for (const NamedRoute& route : kRoutes) {
-    if (route.name == name) return route.make();
-  }
-  return Error{ErrorCode::kBadInput, fmt::format("'{}' is no route, known: {}", name, fmt::join(route_names(), ", "))};
-}
+Result<Route> find_route(std::string_view name) { return internal::make_named(kRoutes, name, "route"); }
 
 std::vector<VehicleState> drive(const Route& route, double rate_hz, const DrivingLimits& limits) {
   GS_CHECK(rate_hz > 0.0, "a frame rate");

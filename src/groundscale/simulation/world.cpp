@@ -27,8 +27,8 @@ struct Footing {
 Footing footing(const RoadSurface& surface, double distance_m, double from_crest_m) {
   const PathPoint point = surface.path().at(distance_m);
   Footing footing;
-  footing.along = {std::sin(point.heading_rad), 0.0, std::cos(point.heading_rad)};
-  footing.right = {std::cos(point.heading_rad), 0.0, -std::sin(point.heading_rad)};
+  footing.along = point.forward();
+  footing.right = point.right();
   footing.origin = point.position + (from_crest_m - surface.profile().lane_offset_m) * footing.right;
   footing.origin.y() = surface.ground_y(footing.origin.x(), footing.origin.z());
   return footing;
@@ -64,8 +64,7 @@ TriangleMesh ground_strip(const RoadSurface& surface, Material material, double 
     constexpr double kShare = 0.9;
     double aside = from_crest - surface.profile().lane_offset_m;
     if (point.curvature_per_m * aside > kShare) aside = kShare / point.curvature_per_m;
-    const Eigen::Vector3d right(std::cos(point.heading_rad), 0.0, -std::sin(point.heading_rad));
-    Eigen::Vector3d position = point.position + aside * right;
+    Eigen::Vector3d position = point.position + aside * point.right();
     position.y() = surface.ground_y(position.x(), position.z());
     const bool own = std::abs(surface.locate(position.x(), position.z()).on_path.distance_m - s) < 1.0;
     return std::pair(mesh.add_vertex(position, {s, from_crest}), own);
@@ -87,9 +86,7 @@ TriangleMesh ground_strip(const RoadSurface& surface, Material material, double 
 
 void add_ground(Meshes& meshes, const RoadSurface& surface) {
   const RoadProfile& p = surface.profile();
-  constexpr double kFaceM = 0.02;
-  constexpr double kKerbM = 0.15;
-  const double pavement = p.half_width_m + kKerbM + p.pavement_m;
+  const double pavement = p.half_width_m + p.kerb_width_m + p.pavement_m;
   const double verge = pavement + p.verge_m;
   const auto both_sides = [&](Material material, double from, double to) {
     meshes.push_back(ground_strip(surface, material, from, to));
@@ -97,12 +94,12 @@ void add_ground(Meshes& meshes, const RoadSurface& surface) {
   };
   both_sides(Material::kAsphalt, 0.0, p.half_width_m);
   if (p.kerb_m > 0.0) {
-    both_sides(Material::kKerb, p.half_width_m, p.half_width_m + kFaceM);
-    both_sides(Material::kKerb, p.half_width_m + kFaceM, p.half_width_m + kKerbM);
+    both_sides(Material::kKerb, p.half_width_m, p.half_width_m + p.kerb_face_m);
+    both_sides(Material::kKerb, p.half_width_m + p.kerb_face_m, p.half_width_m + p.kerb_width_m);
   } else {
-    both_sides(Material::kGrass, p.half_width_m, p.half_width_m + kKerbM);
+    both_sides(Material::kGrass, p.half_width_m, p.half_width_m + p.kerb_width_m);
   }
-  both_sides(p.kerb_m > 0.0 ? Material::kPavement : Material::kGrass, p.half_width_m + kKerbM, pavement);
+  both_sides(p.kerb_m > 0.0 ? Material::kPavement : Material::kGrass, p.half_width_m + p.kerb_width_m, pavement);
   both_sides(Material::kGrass, pavement, verge);
   both_sides(Material::kGrass, verge, RoadSurface::reach_m() - 1.0);
 }

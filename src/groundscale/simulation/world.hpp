@@ -8,9 +8,6 @@
 
 namespace groundscale {
 
-/// Drives are rendered anew wherever this changes; it changes with every change of what a world looks like.
-inline constexpr int kWorldVersion = 1;
-
 struct WorldOptions {
   std::uint64_t seed = 0;
   RoadProfile profile;
