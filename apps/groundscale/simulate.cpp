@@ -1,14 +1,18 @@
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "commands.hpp"
-#include "groundscale/simulation/drive_simulation.hpp"
+#include "groundscale/io/camera_file.hpp"
+#include "groundscale/io/config.hpp"
+#include "groundscale/io/times_file.hpp"
+#include "groundscale/io/trajectory_file.hpp"
+#include "groundscale/simulation/drive_writer.hpp"
 #include "progress.hpp"
 
 namespace groundscale {
@@ -16,33 +20,102 @@ namespace {
 
 struct SimulateArguments {
   DriveOutput output;
-  std::string route = "city";
+  std::string route;
+  std::string trajectory;
+  std::string times;
   std::string preset = "kitti";
-  int frames = std::numeric_limits<int>::max();
+  std::string camera;
+  std::vector<std::string> assignments;
   std::uint64_t seed = 0;
   int threads = 0;
+  bool no_cache = false;
   bool quiet = false;
 };
 
-Result<void> simulate(const SimulateArguments& arguments) {
-  const auto route = find_route(arguments.route);
-  if (!route) return route.error();
-  auto camera = find_camera_preset(arguments.preset);
+constexpr int kLargestPx = 16384;
+
+/// The preset with the camera file's camera and mounting, then what --set says. A route's surroundings lie between.
+Result<CameraPreset> camera_of(const SimulateArguments& arguments, Surroundings surroundings) {
+  Result<CameraPreset> preset = find_camera_preset(arguments.preset);
+  if (!preset) return preset;
+  if (!arguments.camera.empty()) {
+    const Result<CameraSetup> setup = read_camera_file(arguments.camera, 0, 0);
+    if (!setup) return setup.error();
+    constexpr double kDegPerRad = 57.29577951308232;
+    CameraRig& rig = preset->options.rig;
+    preset->camera = setup->camera;
+    preset->region_px.clear();
+    if (setup->height_m) rig.height_m = *setup->height_m;
+    if (setup->pitch_rad) rig.pitch_deg = kDegPerRad * *setup->pitch_rad;
+    if (setup->roll_rad) rig.roll_deg = kDegPerRad * *setup->roll_rad;
+    if (setup->yaw_rad) rig.yaw_deg = kDegPerRad * *setup->yaw_rad;
+  }
+  if (std::max(preset->camera->width(), preset->camera->height()) > kLargestPx) {
+    return Error{ErrorCode::kBadInput,
+                 fmt::format("{}: images of {} x {} px; up to {} px a side are rendered", arguments.camera,
+                             preset->camera->width(), preset->camera->height(), kLargestPx)};
+  }
+  SimulationOptions& options = preset->options;
+  set_surroundings(surroundings, options.world);
+  const auto visit = [&options](FieldVisitor& visitor) { visit_fields(options, visitor); };
+  for (const std::string& assignment : arguments.assignments) {
+    if (auto done = apply_assignment(assignment, visit); !done) return done.error();
+  }
+  if (auto checked = validate(options); !checked) return checked.error();
+  return preset;
+}
+
+/// Times of the poses: of the file, else those that came with them, else even ones.
+Result<std::vector<double>> times_of(const Trajectory& poses, const std::string& file, double rate_hz) {
+  if (!file.empty()) return read_times(file, static_cast<int>(poses.size()), "pose");
+  if (poses.has_times()) return poses.times_s;
+  std::vector<double> times_s;
+  for (std::size_t k = 0; k < poses.world_from_cam.size(); ++k) times_s.push_back(static_cast<double>(k) / rate_hz);
+  return times_s;
+}
+
+Result<SimulatedDrive> plan(const SimulateArguments& arguments) {
+  if (arguments.trajectory.empty()) {
+    const auto route = find_route(arguments.route.empty() ? "city" : arguments.route);
+    if (!route) return route.error();
+    const auto camera = camera_of(arguments, route->surroundings);
+    if (!camera) return camera.error();
+    return drive_along(*route, *camera, arguments.seed);
+  }
+  const auto camera = camera_of(arguments, Surroundings::kTown);
   if (!camera) return camera.error();
+  const Result<Trajectory> poses = read_trajectory(arguments.trajectory);
+  if (!poses) return poses.error();
+  const auto times_s = times_of(*poses, arguments.times, camera->options.rate_hz);
+  if (!times_s) return times_s.error();
+  auto drive = drive_along(*poses, *times_s, *camera, arguments.seed);
+  if (!drive) return Error{drive.error().code, fmt::format("{}: {}", arguments.trajectory, drive.error().message)};
+  return drive;
+}
+
+std::string source_of(const SimulateArguments& arguments) {
+  if (arguments.trajectory.empty()) {
+    return fmt::format("route {}, preset {}, seed {}", arguments.route.empty() ? "city" : arguments.route,
+                       arguments.preset, arguments.seed);
+  }
+  return fmt::format("trajectory {}, preset {}, seed {}", arguments.trajectory, arguments.preset, arguments.seed);
+}
+
+Result<void> simulate(const SimulateArguments& arguments) {
+  const auto drive = plan(arguments);
+  if (!drive) return drive.error();
+  DriveOutput output = arguments.output;
   const auto processors = static_cast<int>(std::thread::hardware_concurrency());
-  camera->quality.threads = arguments.threads > 0 ? arguments.threads : std::max(1, processors);
-  WorldOptions options;
-  options.seed = arguments.seed;
-  const World world = make_world(route->path, options);
-  const auto frames = truth_of_drive(world, *route, *camera, arguments.frames, arguments.seed);
+  output.threads = arguments.threads > 0 ? arguments.threads : std::max(1, processors);
+  if (!arguments.no_cache) output.cache_folder = user_cache_folder();
+  const int frames = output.frames > 0 ? output.frames : static_cast<int>(drive->moments.size());
   {
-    Progress progress(!arguments.quiet, static_cast<int>(frames.size()));
-    const auto written = write_drive(world, frames, *camera, arguments.output, arguments.seed,
-                                     [&progress](int done) { progress.show(done, ""); });
+    Progress progress(!arguments.quiet, frames);
+    const auto written =
+        write_drive(*drive, output, source_of(arguments), [&progress](int done) { progress.show(done, ""); });
     if (!written) return written;
   }
-  fmt::print("{} frames of '{}' as '{}' sees it, seed {}: {}\n", frames.size(), arguments.route, arguments.preset,
-             arguments.seed, arguments.output.folder);
+  fmt::print("{} frames, {}: {}\n", frames, source_of(arguments), output.folder);
   return {};
 }
 
@@ -51,14 +124,26 @@ Result<void> simulate(const SimulateArguments& arguments) {
 void add_simulate(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("simulate", "A drive with exact truth, in KITTI odometry's layout");
   const auto arguments = std::make_shared<SimulateArguments>();
-  command->add_option("--output", arguments->output.folder, "Folder for the drive")->required();
-  command->add_option("--route", arguments->route, "Built-in route");
+  DriveOutput& output = arguments->output;
+  command->add_option("--output", output.folder, "Folder for the drive")->required();
+  CLI::Option* route = command->add_option("--route", arguments->route, "Built-in route (city where none is named)");
+  CLI::Option* trajectory =
+      command->add_option("--trajectory", arguments->trajectory, "Poses (KITTI or TUM rows) to lay a road under");
+  route->excludes(trajectory);
+  command->add_option("--times", arguments->times, "A row a pose, in seconds")->needs(trajectory);
   command->add_option("--preset", arguments->preset, "Camera and its place on the vehicle");
-  command->add_option("--frames", arguments->frames, "At most so many frames")->check(CLI::Range(2, 1000000));
+  command->add_option("--camera", arguments->camera, "Camera file instead of the preset's camera and mounting");
+  command->add_option("--set", arguments->assignments, "KEY=VALUE of the options, as simulation.yaml has them")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--frames", output.frames, "The first so many frames")->check(CLI::Range(1, 10000000));
   command->add_option("--seed", arguments->seed, "Of world, vehicle and sensor")->check(CLI::NonNegativeNumber);
   command->add_option("--threads", arguments->threads, "The images are the same with any number")
       ->check(CLI::PositiveNumber);
-  command->add_flag("--force", arguments->output.force, "Write into a folder that holds something");
+  command->add_flag("--depth", output.depth, "Depth images too");
+  command->add_flag("--road-masks", output.road_masks, "Images of where the road is too, for run --road-masks");
+  command->add_flag("--no-cache", arguments->no_cache, "Neither read nor keep images under the user's cache folder");
+  command->add_flag("--force", output.force, "Write into a folder that holds something");
   command->add_flag("--quiet", arguments->quiet, "No progress");
   command->callback([arguments, &exit_status] {
     const Result<void> done = simulate(*arguments);

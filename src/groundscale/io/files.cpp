@@ -78,6 +78,7 @@ Result<void> LineWriter::write(std::string_view line) {
   stream_.put('\n');
   stream_.flush();
   if (stream_) {
+    bytes_before_ = whole_bytes_;
     whole_bytes_ += line.size() + 1;
     return {};
   }
@@ -86,6 +87,13 @@ Result<void> LineWriter::write(std::string_view line) {
   std::error_code ignored;
   std::filesystem::resize_file(path_, whole_bytes_, ignored);
   return error;
+}
+
+void LineWriter::take_back() {
+  stream_.close();
+  std::error_code ignored;
+  std::filesystem::resize_file(path_, bytes_before_, ignored);
+  whole_bytes_ = bytes_before_;
 }
 
 Result<void> check_output_folder(const std::string& option, const std::string& folder, bool force) {

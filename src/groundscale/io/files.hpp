@@ -29,12 +29,15 @@ class LineWriter {
  public:
   static Result<LineWriter> create(const std::string& path);
   Result<void> write(std::string_view line);  ///< Adds the line's end and flushes.
+  /// Removes the last line that was written, once. Nothing may be written afterwards.
+  void take_back();
 
  private:
   explicit LineWriter(std::string path) : path_(std::move(path)) {}
   std::string path_;
   std::ofstream stream_;
-  std::uintmax_t whole_bytes_ = 0;  ///< Up to the end of the last line that was written.
+  std::uintmax_t whole_bytes_ = 0;   ///< Up to the end of the last line that was written,
+  std::uintmax_t bytes_before_ = 0;  ///< and of the one before.
 };
 
 }  // namespace groundscale

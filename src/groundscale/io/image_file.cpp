@@ -1,6 +1,8 @@
 #include "groundscale/io/image_file.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <vector>
 
@@ -9,6 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "groundscale/core/check.hpp"
 #include "groundscale/io/bytes_internal.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/image_decoder_internal.hpp"
@@ -123,18 +126,42 @@ Result<Image> ImageDecoder::read(const std::string& path) {
 
 Result<Image> read_image(const std::string& path) { return internal::ImageDecoder().read(path); }
 
-Result<void> write_image(const std::string& path, const Image& image) {
-  const cv::Mat grey(image.height(), image.width(), CV_8U, const_cast<std::uint8_t*>(image.data()));
-  const std::size_t dot = path.rfind('.');
+namespace {
+
+Result<std::string> encode(const cv::Mat& pixels, const std::string& ending) {
   std::vector<unsigned char> bytes;
   try {
-    if (!cv::imencode(dot == std::string::npos ? "" : path.substr(dot), grey, bytes)) {
-      return Error{ErrorCode::kIo, path + ": the image can't be encoded"};
-    }
+    if (!cv::imencode(ending, pixels, bytes)) return Error{ErrorCode::kIo, "the image can't be encoded"};
   } catch (const cv::Exception& e) {
-    return Error{ErrorCode::kIo, fmt::format("{}: the image can't be encoded ({})", path, e.err)};
+    return Error{ErrorCode::kIo, fmt::format("the image can't be encoded ({})", e.err)};
   }
-  return write_text(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return std::string(bytes.begin(), bytes.end());
+}
+
+}  // namespace
+
+Result<std::string> encode_image(const Image& image, const std::string& ending) {
+  return encode(cv::Mat(image.height(), image.width(), CV_8U, const_cast<std::uint8_t*>(image.data())), ending);
+}
+
+Result<std::string> encode_depth(const std::vector<float>& depths_m, int width, int height) {
+  GS_CHECK(depths_m.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height), "a depth a pixel");
+  constexpr float kUnitsAMetre = 256.0F;
+  constexpr float kLargest = 65535.0F;
+  cv::Mat pixels(height, width, CV_16U);
+  auto* pixel = pixels.ptr<std::uint16_t>();
+  for (const float depth : depths_m) {
+    const float units = std::round(kUnitsAMetre * depth);
+    *pixel++ = units > 0.0F && units <= kLargest ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
+  }
+  return encode(pixels, ".png");
+}
+
+Result<void> write_image(const std::string& path, const Image& image) {
+  const std::size_t dot = path.rfind('.');
+  const auto bytes = encode_image(image, dot == std::string::npos ? "" : path.substr(dot));
+  if (!bytes) return Error{bytes.error().code, path + ": " + bytes.error().message};
+  return write_text(path, *bytes);
 }
 
 }  // namespace groundscale

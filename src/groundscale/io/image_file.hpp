@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "groundscale/core/image.hpp"
 #include "groundscale/core/result.hpp"
@@ -11,6 +12,13 @@ namespace groundscale {
 /// stays zero. EXIF orientation isn't applied.
 /// @return kBadInput with path and reason where it is missing, truncated or can't be decoded.
 Result<Image> read_image(const std::string& path);
+
+/// The bytes of an image file in the format that an ending (".png", ".jpg") names. @return kIo.
+Result<std::string> encode_image(const Image& image, const std::string& ending);
+
+/// The bytes of a 16-bit grey PNG, as KITTI has depth: metres times 256, rounded; 0: none. Beyond 255.99 m it is none.
+/// @param depths_m  width * height of them, row by row.
+Result<std::string> encode_depth(const std::vector<float>& depths_m, int width, int height);
 
 /// Writes an image in the format that the name's ending says (.png, .jpg). @return kIo.
 Result<void> write_image(const std::string& path, const Image& image);

@@ -10,6 +10,7 @@
 #include "groundscale/io/image_decoder_internal.hpp"
 #include "groundscale/io/image_folder_internal.hpp"
 #include "groundscale/io/text_internal.hpp"
+#include "groundscale/io/times_file.hpp"
 
 namespace groundscale::internal {
 namespace {
@@ -65,7 +66,7 @@ class ImageFolder final : public Sequence {
     const int available = static_cast<int>(names->size());
     std::vector<double> times_s;
     if (const std::string path = (fs::path(layout->root) / "times.txt").string(); fs::exists(path)) {
-      Result<std::vector<double>> times = read_times(path, available);
+      Result<std::vector<double>> times = read_times(path, available, "image");
       if (!times) return times.error();
       times_s = std::move(*times);
     }
@@ -178,32 +179,6 @@ Result<std::vector<std::string>> image_names(const std::string& folder) {
   }
   std::sort(names.begin(), names.end(), natural_less);
   return names;
-}
-
-Result<std::vector<double>> read_times(const std::string& path, int expected) {
-  const Result<std::string> text = read_text(path);
-  if (!text) return text.error();
-  std::vector<double> times_s;
-  for (const Line& line : split_lines(*text)) {
-    const std::string_view word = trimmed(line.text);
-    if (word.empty() || word.front() == '#') continue;
-    const std::optional<double> time_s = parse_number(word);
-    if (!time_s || !std::isfinite(*time_s)) {
-      return bad_input(fmt::format("{}:{}: {} must be one number, a time in seconds", path, line.number, quoted(word)));
-    }
-    if (!times_s.empty() && *time_s < times_s.back()) {
-      return bad_input(fmt::format("{}:{}: time falls from {} to {} s", path, line.number, times_s.back(), *time_s));
-    }
-    times_s.push_back(*time_s);
-  }
-  if (static_cast<int>(times_s.size()) != expected) {
-    return bad_input(fmt::format("{}: {} rows, but there are {} images: it must have a row an image", path,
-                                 times_s.size(), expected));
-  }
-  if (expected > 1 && !(times_s.back() > times_s.front())) {
-    return bad_input(fmt::format("{}: all times are {} s, they must rise", path, times_s.front()));
-  }
-  return times_s;
 }
 
 std::string calibration_in(const std::string& folder) {

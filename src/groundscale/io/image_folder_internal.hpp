@@ -18,10 +18,6 @@ bool natural_less(std::string_view a, std::string_view b);
 /// @return kBadInput where it can't be read or holds none.
 Result<std::vector<std::string>> image_names(const std::string& folder);
 
-/// Rows of a times.txt, one number in seconds each. @return kBadInput with file and line for anything else, for times
-/// that fall, and for a number of rows that isn't `expected`.
-Result<std::vector<double>> read_times(const std::string& path, int expected);
-
 /// KITTI odometry folder, or a folder with images; told apart by the subfolders image_0 to image_3.
 Result<std::unique_ptr<Sequence>> open_image_folder(const SequenceRequest& request);
 

@@ -17,6 +17,7 @@
 #include "groundscale/io/config.hpp"
 #include "groundscale/io/image_folder_internal.hpp"
 #include "groundscale/io/temp_folder_internal.hpp"
+#include "groundscale/io/times_file.hpp"
 #include "groundscale/io/trajectory_file.hpp"
 
 namespace groundscale {
@@ -89,7 +90,7 @@ std::string parse_camera(const std::string& text) {
 }
 
 std::string parse_times(const std::string& text) {
-  const Result<std::vector<double>> read = internal::read_times(input_file(text), 3);
+  const Result<std::vector<double>> read = read_times(input_file(text), 3, "image");
   return read ? "" : message_of(read.error());
 }
 

@@ -16,7 +16,7 @@ Eigen::Matrix3d vehicle_axes(const RoadSurface& surface, double distance_m, cons
   const PathPoint point = surface.path().at(distance_m);
   const Eigen::Vector3d up = -Eigen::Vector3d::UnitY();
   const double offset = surface.profile().lane_offset_m;
-  const double fall = offset > 0.0 ? surface.profile().crown : 0.0;  // to the right of the crest
+  const double fall = (offset > 0.0 ? surface.profile().crown : 0.0) + point.bank;  // to the right
   const Eigen::Vector3d forward = (point.forward() + point.slope * up).normalized();
   const Eigen::Vector3d sideways = point.right() - fall * up;
   const Eigen::Vector3d right = (sideways - sideways.dot(forward) * forward).normalized();
@@ -31,13 +31,29 @@ RigidTransform pose_of(const RoadSurface& surface, double distance_m, const Came
                        double bounce_m) {
   const Eigen::Matrix3d vehicle = vehicle_axes(surface, distance_m, lean);
   Eigen::Matrix3d cam_from_vehicle;
-  cam_from_vehicle << rig.mounting.right_in_cam(), rig.mounting.normal_in_cam(), rig.mounting.forward_in_cam();
+  const Mounting mounting = rig.mounting();
+  cam_from_vehicle << mounting.right_in_cam(), mounting.normal_in_cam(), mounting.forward_in_cam();
   const Eigen::Vector3d down = vehicle_axes(surface, distance_m, {}).col(1);
   return {vehicle * cam_from_vehicle.transpose(),
           surface.path().at(distance_m).position - (rig.height_m + bounce_m) * down};
 }
 
 }  // namespace
+
+Mounting CameraRig::mounting() const { return {kRadPerDeg * pitch_deg, kRadPerDeg * roll_deg, kRadPerDeg * yaw_deg}; }
+
+void visit_fields(CameraRig& rig, FieldVisitor& visitor) {
+  visitor.field({"height_m", "m", "of the lens above the road, perpendicular to it", 0.1, 100.0}, rig.height_m);
+  visitor.field({"pitch_deg", "deg", "of the mounting; above 0: the camera looks down", -60.0, 60.0}, rig.pitch_deg);
+  visitor.field({"roll_deg", "deg", "of the mounting; above 0: its right side is lower", -60.0, 60.0}, rig.roll_deg);
+  visitor.field({"yaw_deg", "deg", "of the mounting; above 0: it looks to the right", -180.0, 180.0}, rig.yaw_deg);
+  visitor.field({"pitch_per_mps2_deg", "deg s^2/m", "nose down when braking, up when speeding up", 0.0, 5.0},
+                rig.pitch_per_mps2_deg);
+  visitor.field({"roll_per_mps2_deg", "deg s^2/m", "outwards in a turn", 0.0, 5.0}, rig.roll_per_mps2_deg);
+  visitor.field({"shake_pitch_sd_deg", "deg", "from the road's roughness", 0.0, 5.0}, rig.shake_pitch_sd_deg);
+  visitor.field({"shake_roll_sd_deg", "deg", "from the road's roughness", 0.0, 5.0}, rig.shake_roll_sd_deg);
+  visitor.field({"bounce_sd_m", "m", "from the road's roughness", 0.0, 0.2}, rig.bounce_sd_m);
+}
 
 RigidTransform camera_at_rest(const RoadSurface& surface, double distance_m, const CameraRig& rig) {
   return pose_of(surface, distance_m, rig, {}, 0.0);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "groundscale/camera/mounting.hpp"
+#include "groundscale/core/options.hpp"
 #include "groundscale/geometry/rigid_transform.hpp"
 #include "groundscale/simulation/road_surface.hpp"
 #include "groundscale/simulation/route.hpp"
@@ -12,14 +13,20 @@ namespace groundscale {
 
 /// A camera on a vehicle, and how its suspension gives.
 struct CameraRig {
-  Mounting mounting;
-  double height_m = 1.65;            ///< At rest, perpendicular to the road.
+  double height_m = 1.65;  ///< At rest, perpendicular to the road.
+  double pitch_deg = 0.0;  ///< Of the mounting; signs as Mounting's.
+  double roll_deg = 0.0;
+  double yaw_deg = 0.0;
   double pitch_per_mps2_deg = 0.3;   ///< Nose down when braking, up when speeding up.
   double roll_per_mps2_deg = 0.35;   ///< Outwards in a turn.
   double shake_pitch_sd_deg = 0.12;  ///< Of what the road's roughness does.
   double shake_roll_sd_deg = 0.10;
   double bounce_sd_m = 0.006;
+
+  Mounting mounting() const;
 };
+
+void visit_fields(CameraRig& rig, FieldVisitor& visitor);
 
 /// Of the camera when the vehicle stands at a place of the road: the road's own grade and cross-fall, then the
 /// mounting.

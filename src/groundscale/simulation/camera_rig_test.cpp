@@ -18,14 +18,16 @@ RoadSurface road(const std::vector<PathPiece>& pieces, const std::vector<HeightW
 
 TEST(CameraRig, OnALevelRoadTheRoadLiesAsTheMountingSays) {
   CameraRig rig;
-  rig.mounting = {2.0 * kDegree, -1.0 * kDegree, 5.0 * kDegree};
+  rig.pitch_deg = 2.0;
+  rig.roll_deg = -1.0;
+  rig.yaw_deg = 5.0;
   const RoadSurface surface = road({{100.0, 0.0}}, {}, 0.0);
   const RigidTransform pose = camera_at_rest(surface, 30.0, rig);
   EXPECT_LT((pose.translation - Eigen::Vector3d(0.0, -1.65, 30.0)).norm(), 1e-9);
   const Eigen::Vector3d normal = pose.rotation.transpose() * Eigen::Vector3d::UnitY();
-  EXPECT_LT((normal - rig.mounting.normal_in_cam()).norm(), 1e-9);
+  EXPECT_LT((normal - rig.mounting().normal_in_cam()).norm(), 1e-9);
   const Eigen::Vector3d forward = pose.rotation.transpose() * Eigen::Vector3d::UnitZ();
-  EXPECT_LT((forward - rig.mounting.forward_in_cam()).norm(), 1e-9);
+  EXPECT_LT((forward - rig.mounting().forward_in_cam()).norm(), 1e-9);
   EXPECT_NEAR(pose.rotation.determinant(), 1.0, 1e-12);
 }
 

@@ -1,173 +1,126 @@
 #include "groundscale/simulation/drive_simulation.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <string_view>
+#include <utility>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
-#include "groundscale/camera/pinhole.hpp"
-#include "groundscale/io/camera_file.hpp"
-#include "groundscale/io/files.hpp"
-#include "groundscale/io/image_file.hpp"
-#include "groundscale/io/trajectory_file.hpp"
 #include "groundscale/road/region.hpp"
-#include "groundscale/simulation/named_internal.hpp"
 
 namespace groundscale {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-
-CameraPtr pinhole(const PinholeParameters& parameters, int width, int height) {
-  return PinholeCamera::create(parameters, width, height).value();
-}
-
-/// KITTI's left grey camera after rectification, with the distortion that is left in its images.
-SimulatedCamera kitti() {
-  SimulatedCamera camera;
-  camera.camera = pinhole({.fx = 718.856,
-                           .fy = 718.856,
-                           .cx = 607.1928,
-                           .cy = 185.2157,
-                           .k1 = 0.0117,
-                           .k2 = 0.0,
-                           .p1 = 0.0,
-                           .p2 = 0.0,
-                           .k3 = 0.0},
-                          1241, 376);
-  camera.rig.mounting.pitch_rad = 0.8 * kRadPerDeg;
-  return camera;
-}
-
-/// For tests: quick to render.
-SimulatedCamera small() {
-  SimulatedCamera camera;
-  camera.camera = pinhole({.fx = 300.0, .fy = 300.0, .cx = 239.5, .cy = 60.0}, 480, 200);
-  camera.quality = {.samples = 2, .edge_samples = 2, .threads = 1};
-  return camera;
-}
-
-struct NamedPreset {
-  std::string_view name;
-  SimulatedCamera (*make)();
+/// A point of the road in the camera, and how much it counts.
+struct RoadPoint {
+  Eigen::Vector3d in_cam = Eigen::Vector3d::Zero();
+  double weight = 1.0;
 };
-constexpr NamedPreset kPresets[] = {{"kitti", kitti}, {"small", small}};
 
-/// Least squares plane, in the camera, of the road (no kerb, no pavement) in the default region, weighted as road
-/// points are.
-GroundPlane plane_ahead(const RoadSurface& surface, double distance_m, const RigidTransform& world_from_cam) {
+/// The road (no kerb, no pavement) in the default region, weighted as road points are.
+std::vector<RoadPoint> road_ahead(const RoadSurface& surface, const CameraMoment& moment) {
   const RegionOptions region;
   constexpr double kAlongM = 0.5;
   constexpr double kAsideM = 0.25;
-  const RigidTransform cam_from_world = world_from_cam.inverse();
-  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d sums = Eigen::Vector3d::Zero();
+  const RigidTransform cam_from_world = moment.world_from_cam.inverse();
+  std::vector<RoadPoint> points;
   for (double along = region.near_m; along <= region.far_m; along += kAlongM) {
-    const PathPoint point = surface.path().at(distance_m + along);
+    const PathPoint point = surface.path().at(moment.distance_m + along);
     for (double aside = -region.half_width_m; aside <= region.half_width_m; aside += kAsideM) {
       Eigen::Vector3d place = point.position + aside * point.right();
       const RoadPlace on_ground = surface.locate(place.x(), place.z());
       if (on_ground.ground != Ground::kRoad) continue;
-      place.y() = surface.ground_y(on_ground);
-      const Eigen::Vector3d in_cam = cam_from_world * place;
-      const double weight = std::exp(-0.5 * std::pow(aside / region.weight_sd_m, 2));
-      // m . X = 1 with m = n / h.
-      moments += weight * in_cam * in_cam.transpose();
-      sums += weight * in_cam;
+      place.y() = on_ground.ground_y;
+      points.push_back({cam_from_world * place, std::exp(-0.5 * std::pow(aside / region.weight_sd_m, 2))});
     }
+  }
+  return points;
+}
+
+bool inside(const std::vector<double>& polygon, double x, double y) {
+  bool odd = false;
+  const std::size_t count = polygon.size() / 2;
+  for (std::size_t k = 0, before = count - 1; k < count; before = k++) {
+    const double y1 = polygon[2 * before + 1];
+    const double y2 = polygon[2 * k + 1];
+    if ((y1 > y) == (y2 > y)) continue;
+    if (x < polygon[2 * before] + (polygon[2 * k] - polygon[2 * before]) * (y - y1) / (y2 - y1)) odd = !odd;
+  }
+  return odd;
+}
+
+/// The road that pixels of a region meet.
+std::vector<RoadPoint> road_in_region(const World& world, const CameraMoment& moment, const CameraPreset& camera) {
+  constexpr int kStridePx = 12;
+  std::vector<RoadPoint> points;
+  for (int y = 0; y < camera.camera->height(); y += kStridePx) {
+    for (int x = 0; x < camera.camera->width(); x += kStridePx) {
+      if (!inside(camera.region_px, x, y)) continue;
+      const auto ray = camera.camera->ray({static_cast<double>(x), static_cast<double>(y)});
+      if (!ray) continue;
+      const auto hit = world.scene.hit(moment.world_from_cam.translation, moment.world_from_cam.rotation * *ray);
+      if (hit && is_road(hit->material)) points.push_back({hit->distance_m * *ray, 1.0});
+    }
+  }
+  return points;
+}
+
+/// Least squares: m . X = 1 with m = n / h.
+GroundPlane plane_of(const std::vector<RoadPoint>& points) {
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sums = Eigen::Vector3d::Zero();
+  for (const RoadPoint& point : points) {
+    moments += point.weight * point.in_cam * point.in_cam.transpose();
+    sums += point.weight * point.in_cam;
   }
   const Eigen::Vector3d m = moments.ldlt().solve(sums);
   return {m.normalized(), 1.0 / m.norm()};
 }
 
-std::string truth_row(int frame, const FrameTruth& truth) {
-  const Eigen::Vector3d& n = truth.plane.normal_in_cam;
-  return fmt::format("{},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.6f}", frame, truth.height_m, truth.plane.height, n.x(),
-                     n.y(), n.z(), truth.speed_mps);
+World world_about(const Path& path, const CameraPreset& camera, std::uint64_t seed) {
+  WorldOptions options = camera.options.world;
+  options.seed = seed;
+  return make_world(path, options);
 }
 
-Result<void> write_calibration(const std::string& folder, const SimulatedCamera& simulated) {
-  const CameraRig& rig = simulated.rig;
-  CameraSetup setup;
-  setup.camera = simulated.camera;
-  setup.height_m = rig.height_m;
-  setup.pitch_rad = rig.mounting.pitch_rad;
-  setup.roll_rad = rig.mounting.roll_rad;
-  setup.yaw_rad = rig.mounting.yaw_rad;
-  if (auto done = write_camera_file(folder + "/camera.yaml", setup); !done) return done;
-  const auto* pinhole = dynamic_cast<const PinholeCamera*>(simulated.camera.get());
-  if (pinhole == nullptr) return {};
-  const PinholeParameters& p = pinhole->parameters();
-  return write_text(folder + "/calib.txt", fmt::format("P0: {} 0 {} 0 0 {} {} 0 0 0 1 0\n", p.fx, p.cx, p.fy, p.cy));
-}
+constexpr double kSPerMs = 1e-3;
 
 }  // namespace
 
-Result<SimulatedCamera> find_camera_preset(std::string_view name) {
-  return internal::make_named(kPresets, name, "preset");
+SimulatedDrive drive_along(const Route& route, const CameraPreset& camera, std::uint64_t seed) {
+  SimulatedDrive drive{camera, seed, world_about(route.path, camera, seed), {}, true};
+  drive.moments = moments_of_route(drive.world.surface, route, camera.options.rig, camera.options.rate_hz,
+                                   kSPerMs * camera.options.shutter_ms, seed);
+  return drive;
 }
 
-std::vector<FrameTruth> truth_of_drive(const World& world, const Route& route, const SimulatedCamera& camera,
-                                       int max_frames, std::uint64_t seed) {
-  std::vector<VehicleState> states = drive(route, camera.rate_hz, {});
-  if (static_cast<int>(states.size()) > max_frames) states.resize(static_cast<std::size_t>(max_frames));
-  const auto shifted = [&states](double by_s) {
-    std::vector<VehicleState> moved = states;
-    for (VehicleState& state : moved) state.distance_m += by_s * state.speed_mps;
-    return moved;
-  };
-  const double half = 0.5 * camera.shutter_s;
-  const auto poses = camera_poses(world.surface, states, camera.rig, seed);
-  const auto open = camera_poses(world.surface, shifted(-half), camera.rig, seed);
-  const auto close = camera_poses(world.surface, shifted(half), camera.rig, seed);
-  std::vector<FrameTruth> frames(states.size());
-  for (std::size_t k = 0; k < states.size(); ++k) {
-    FrameTruth& frame = frames[k];
-    frame.time_s = states[k].time_s;
-    frame.world_from_cam = poses[k];
-    frame.shutter = {open[k], close[k]};
-    frame.speed_mps = states[k].speed_mps;
-    const RigidTransform rest = camera_at_rest(world.surface, states[k].distance_m, CameraRig{});
-    const Eigen::Vector3d foot = world.surface.path().at(states[k].distance_m).position;
-    frame.height_m = rest.rotation.col(1).dot(foot - poses[k].translation);
-    frame.plane = plane_ahead(world.surface, states[k].distance_m, poses[k]);
+Result<SimulatedDrive> drive_along(const Trajectory& poses, const std::vector<double>& times_s,
+                                   const CameraPreset& camera, std::uint64_t seed) {
+  if (times_s.size() != poses.world_from_cam.size()) {
+    return Error{ErrorCode::kBadInput, fmt::format("{} times for {} poses", times_s.size(), poses.size())};
   }
-  return frames;
+  for (std::size_t k = 1; k < times_s.size(); ++k) {
+    if (times_s[k] > times_s[k - 1]) continue;
+    return Error{ErrorCode::kBadInput,
+                 fmt::format("time {} is {} s, not after the one before, {} s", k, times_s[k], times_s[k - 1])};
+  }
+  const Result<LaidRoad> road = lay_road(poses, camera.options.rig, camera.options.world.profile);
+  if (!road) return road.error();
+  return SimulatedDrive{camera, seed, world_about(road->path, camera, seed),
+                        moments_of_laid_road(*road, times_s, kSPerMs * camera.options.shutter_ms), false};
 }
 
-Result<void> write_drive(const World& world, const std::vector<FrameTruth>& frames, const SimulatedCamera& camera,
-                         const DriveOutput& output, std::uint64_t seed, const std::function<void(int)>& progress) {
-  if (auto free = check_output_folder("--output", output.folder, output.force); !free) return free;
-  if (auto done = make_output_folder("--output", output.folder + "/image_0"); !done) return done;
-  if (auto done = write_calibration(output.folder, camera); !done) return done;
-  // All that is known beforehand first: a drive that ends early is a shorter drive, once its rows are cut.
-  std::string times;
-  std::string truth = "frame,height_m,plane_height_m,normal_x,normal_y,normal_z,speed_mps\n";
-  Trajectory trajectory;
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    times += fmt::format("{:.6f}\n", frames[k].time_s);
-    truth += truth_row(static_cast<int>(k), frames[k]) + "\n";
-    trajectory.world_from_cam.push_back(frames.front().world_from_cam.inverse() * frames[k].world_from_cam);
-  }
-  if (auto done = write_kitti(output.folder + "/poses.txt", trajectory); !done) return done;
-  if (auto done = write_text(output.folder + "/truth.csv", truth); !done) return done;
-  if (auto done = write_text(output.folder + "/times.txt", times); !done) return done;
-
-  Rng rng(seed);
-  Sensor sensor(camera.sensor, rng);
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    const Radiance light = render(world, *camera.camera, frames[k].shutter, camera.quality);
-    const Image image = sensor.expose(light, 1.0 / camera.rate_hz);
-    const auto written = write_image(fmt::format("{}/image_0/{:06d}.png", output.folder, k), image);
-    if (!written) {
-      return Error{written.error().code,
-                   fmt::format("{} (after {} of {} frames)", written.error().message, k, frames.size())};
-    }
-    progress(static_cast<int>(k) + 1);
-  }
-  return {};
+RoadTruth road_truth(const SimulatedDrive& drive, std::size_t frame) {
+  const CameraMoment& moment = drive.moments[frame];
+  const RoadSurface& surface = drive.world.surface;
+  const Eigen::Vector3d& camera = moment.world_from_cam.translation;
+  const Eigen::Vector3d beneath(camera.x(), surface.ground_y(camera.x(), camera.z()), camera.z());
+  RoadTruth truth;
+  truth.height_m = surface.ground_normal(camera.x(), camera.z()).dot(camera - beneath);
+  truth.plane = plane_of(drive.camera.region_px.empty() ? road_ahead(surface, moment)
+                                                        : road_in_region(drive.world, moment, drive.camera));
+  return truth;
 }
 
 }  // namespace groundscale

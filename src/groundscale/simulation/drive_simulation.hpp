@@ -1,57 +1,40 @@
 #pragma once
 
-#include <functional>
-#include <string>
-#include <string_view>
+#include <cstdint>
 #include <vector>
 
-#include "groundscale/camera/camera.hpp"
 #include "groundscale/core/result.hpp"
 #include "groundscale/geometry/ground_plane.hpp"
-#include "groundscale/simulation/camera_rig.hpp"
-#include "groundscale/simulation/renderer.hpp"
-#include "groundscale/simulation/sensor.hpp"
+#include "groundscale/geometry/trajectory.hpp"
+#include "groundscale/simulation/camera_motion.hpp"
+#include "groundscale/simulation/camera_presets.hpp"
 #include "groundscale/simulation/world.hpp"
 
 namespace groundscale {
 
-/// A camera with all that decides what its images look like.
-struct SimulatedCamera {
-  CameraPtr camera;
-  CameraRig rig;
-  double rate_hz = 10.0;
-  double shutter_s = 0.004;
-  SensorOptions sensor;
-  RenderOptions quality;
+/// A drive that can be rendered, from its first frame to its last: all that decides its images and its truth.
+struct SimulatedDrive {
+  CameraPreset camera;
+  std::uint64_t seed = 0;  ///< Of world, vehicle and sensor.
+  World world;
+  std::vector<CameraMoment> moments;  ///< One a frame.
+  bool mounted = true;                ///< The poses are those of the preset's mounting; given poses have their own.
 };
 
-/// @return kBadInput with the list of names where there is no preset of this one.
-Result<SimulatedCamera> find_camera_preset(std::string_view name);
+/// A drive along a route, in its surroundings as the options have them.
+SimulatedDrive drive_along(const Route& route, const CameraPreset& camera, std::uint64_t seed);
 
-/// What a frame of a simulated drive truly is.
-struct FrameTruth {
-  double time_s = 0.0;
-  RigidTransform world_from_cam;  ///< In the middle of the exposure; world as for paths.
-  Shutter shutter;
-  double height_m = 0.0;  ///< Perpendicular to the road beneath the camera.
-  GroundPlane plane;      ///< Best plane over the lane ahead, in the camera.
-  double speed_mps = 0.0;
+/// A drive at given poses, over a road that is laid under them.
+/// @param times_s  A time each, rising.
+/// @return kBadInput as lay_road, and where the times don't fit.
+Result<SimulatedDrive> drive_along(const Trajectory& poses, const std::vector<double>& times_s,
+                                   const CameraPreset& camera, std::uint64_t seed);
+
+/// What is true of the road in a frame.
+struct RoadTruth {
+  double height_m = 0.0;  ///< Of the camera, perpendicular to the road beneath it.
+  GroundPlane plane;      ///< Best plane over the road in the region where `run` looks for it, in the camera.
 };
-
-/// The drive's frames from the first; at most `max_frames`.
-std::vector<FrameTruth> truth_of_drive(const World& world, const Route& route, const SimulatedCamera& camera,
-                                       int max_frames, std::uint64_t seed);
-
-struct DriveOutput {
-  std::string folder;
-  bool force = false;
-};
-
-/// Renders a drive into a KITTI odometry folder: image_0, camera.yaml, calib.txt where the camera is a pinhole without
-/// distortion, times.txt, poses.txt, truth.csv.
-/// @param progress  Called after each frame with how many are done.
-/// @return kBadInput where the folder holds something and `force` isn't set; kIo, saying how many frames were written.
-Result<void> write_drive(const World& world, const std::vector<FrameTruth>& frames, const SimulatedCamera& camera,
-                         const DriveOutput& output, std::uint64_t seed, const std::function<void(int)>& progress);
+RoadTruth road_truth(const SimulatedDrive& drive, std::size_t frame);
 
 }  // namespace groundscale

@@ -60,14 +60,29 @@ double patch(double along, double across, const RoadLook& road, std::uint64_t se
 double crack(double along, double across, double footprint, std::uint64_t seed) {
   constexpr double kSpacingM = 2.5;
   constexpr double kWidthM = 0.012;
+  constexpr double kLeast = 0.8;  // of a second field: only here and there
+  if (smooth_noise(along / 5.0, across / 5.0, seed + 1) < kLeast) return 0.0;
   const double field = smooth_noise(along / kSpacingM, across / kSpacingM, seed);
-  const double gate = smooth_noise(along / 5.0, across / 5.0, seed + 1);
-  if (gate < 0.8) return 0.0;
   // The field's slope is about 1 a spacing: its value is the distance from its zero line.
   return covered(field * kSpacingM, -0.5 * kWidthM, 0.5 * kWidthM, footprint);
 }
 
-double asphalt_albedo(const Eigen::Vector2d& uv, double footprint, const RoadLook& road, std::uint64_t seed) {
+/// Iron lids in the lanes, each in a ring of fresh asphalt: what they take from the asphalt's tone.
+double manhole(double along, double across, double footprint, const RoadLook& road, std::uint64_t seed) {
+  constexpr double kCellM = 18.0;
+  const auto column = static_cast<std::int64_t>(std::floor(along / kCellM));
+  Rng rng(seed ^ (static_cast<std::uint64_t>(column) * 0x9e3779b97f4a7c15ULL));
+  if (rng.uniform() > road.asphalt.manholes_share) return 0.0;
+  const double x = along - kCellM * static_cast<double>(column) - rng.uniform(2.0, kCellM - 2.0);
+  const double half = road.profile.half_width_m;
+  const double radius = std::hypot(x, across - rng.uniform(-0.8 * half, 0.8 * half));
+  constexpr double kLidM = 0.32;
+  constexpr double kRingM = 0.42;
+  return 0.45 * covered(radius, -1.0, kLidM, footprint) + 0.2 * covered(radius, -1.0, kRingM, footprint);
+}
+
+double asphalt_albedo(const Eigen::Vector2d& uv, double footprint, bool marked, const RoadLook& road,
+                      std::uint64_t seed) {
   const AsphaltOptions& o = road.asphalt;
   const RoadProfile& profile = road.profile;
   const double along = uv.x();
@@ -85,13 +100,14 @@ double asphalt_albedo(const Eigen::Vector2d& uv, double footprint, const RoadLoo
   tone -= 0.15 * covered(std::abs(across), profile.half_width_m - 0.25, profile.half_width_m + 1.0, footprint);
   tone += 0.18 * patch(along, across, road, seed + 200);
   tone -= 0.45 * crack(along, across, footprint, seed + 300);
+  tone -= manhole(along, across, footprint, road, seed + 350);
   double value = o.albedo * tone;
-  if (o.markings) {
+  const double line = o.markings && marked ? std::min(1.0, marking(along, across, footprint, profile)) : 0.0;
+  if (line > 0.0) {
     const FractalNoise wear{.seed = seed + 400, .longest_m = 0.4, .octaves = 5, .first_sd = 0.5, .persistence = 0.9};
     const double left = std::clamp(0.5 + 2.0 * (wear.at(along, across, footprint) + 0.5 - o.marking_wear), 0.0, 1.0);
     constexpr double kPaint = 0.55;
-    const double paint = std::min(1.0, marking(along, across, footprint, profile)) * left;
-    value += paint * (kPaint - value);
+    value += line * left * (kPaint - value);
   }
   return value;
 }
@@ -151,6 +167,8 @@ int material_code(Material material, int variant) {
   return static_cast<int>(material) * kVariants + variant % kVariants;
 }
 
+bool is_road(int material_code) { return material_code / kVariants == static_cast<int>(Material::kAsphalt); }
+
 double albedo(int material_code, const Eigen::Vector2d& uv, double footprint_m, const RoadLook& road,
               std::uint64_t seed) {
   const auto material = static_cast<Material>(material_code / kVariants);
@@ -159,7 +177,7 @@ double albedo(int material_code, const Eigen::Vector2d& uv, double footprint_m, 
   double value = 0.0;
   switch (material) {
     case Material::kAsphalt:
-      value = asphalt_albedo(uv, footprint_m, road, seed);
+      value = asphalt_albedo(uv, footprint_m, variant == 0, road, seed);
       break;
     case Material::kKerb:
       value = tiles_albedo(uv, footprint_m, 1.0, 0.35, seed + 600);

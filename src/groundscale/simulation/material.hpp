@@ -12,8 +12,12 @@ namespace groundscale {
 /// its crest) for what lies on the ground; along and up the wall for facades; any for the rest.
 enum class Material { kAsphalt, kKerb, kPavement, kGrass, kFacade, kRoof, kBark, kLeaves, kPaint, kGlass };
 
-/// A material with a number that tells one house or car from another, as TriangleMesh has it.
+/// A material with a number that tells one house or car from another, as TriangleMesh has it. Asphalt: 0 with lane
+/// markings, 1 without.
 int material_code(Material material, int variant);
+
+/// Whether a code is that of the roadway.
+bool is_road(int material_code);
 
 /// How asphalt is made up; contrasts are standard deviations relative to its albedo.
 struct AsphaltOptions {
@@ -21,6 +25,7 @@ struct AsphaltOptions {
   double grain = 0.20;          ///< Stones: centimetres.
   double stains = 0.07;         ///< Decimetres to metres.
   double patches_share = 0.08;  ///< Of the road, mended.
+  double manholes_share = 0.5;  ///< Of stretches of 18 m that have one.
   double marking_wear = 0.35;   ///< Share of the paint that is gone.
   bool markings = true;
 };

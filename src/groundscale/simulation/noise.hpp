@@ -5,7 +5,8 @@
 namespace groundscale {
 
 /// Smooth random field over the plane, the same on every machine for a seed: cubic B-spline through independent normal
-/// values on the integer lattice, which repeats after 512. Mean 0; its sd is 1 on average over the plane.
+/// values on the integer lattice, which repeats after 128, evaluated at quarters of it and straight in between. Mean 0;
+/// its sd is 1 on average over the plane.
 double smooth_noise(double x, double y, std::uint64_t seed);
 
 /// A sum of smooth noise of ever shorter wavelengths.

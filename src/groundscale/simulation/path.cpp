@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "groundscale/core/check.hpp"
 
@@ -10,6 +11,7 @@ namespace groundscale {
 namespace {
 
 constexpr double kSpacingM = 0.05;
+constexpr double kPi = std::numbers::pi;
 
 /// The path is level ground seen from above, its height a function of the distance along it.
 struct Height {
@@ -20,7 +22,7 @@ struct Height {
 Height height_at(const std::vector<HeightWave>& waves, double distance_m) {
   Height height;
   for (const HeightWave& wave : waves) {
-    const double number = 2.0 * std::numbers::pi / wave.wavelength_m;
+    const double number = 2.0 * kPi / wave.wavelength_m;
     height.rise_m += wave.amplitude_m * (std::sin(number * distance_m + wave.phase_rad) - std::sin(wave.phase_rad));
     height.slope += wave.amplitude_m * number * std::cos(number * distance_m + wave.phase_rad);
   }
@@ -28,6 +30,10 @@ Height height_at(const std::vector<HeightWave>& waves, double distance_m) {
 }
 
 Eigen::Vector3d direction_of(double heading_rad) { return {std::sin(heading_rad), 0.0, std::cos(heading_rad)}; }
+
+double level_distance(const PathPoint& from, const PathPoint& to) {
+  return std::hypot(to.position.x() - from.position.x(), to.position.z() - from.position.z());
+}
 
 /// The path goes on by less than a sample, or straight on beyond its ends.
 PathPoint moved(const PathPoint& point, double by_m, double curvature_per_m) {
@@ -41,6 +47,34 @@ PathPoint moved(const PathPoint& point, double by_m, double curvature_per_m) {
 }
 
 }  // namespace
+
+Path Path::through(std::vector<PathPoint> places) {
+  GS_CHECK(places.size() >= 2, "a path has two places");
+  const std::size_t last = places.size() - 1;
+  places.front().distance_m = 0.0;
+  for (std::size_t k = 1; k <= last; ++k) {
+    const double step = level_distance(places[k - 1], places[k]);
+    GS_CHECK(step >= 0.0099, "places on a path lie apart");
+    places[k].distance_m = places[k - 1].distance_m + step;
+  }
+  for (std::size_t k = 0; k <= last; ++k) {
+    const PathPoint& before = places[k == 0 ? 0 : k - 1];
+    const PathPoint& after = places[std::min(k + 1, last)];
+    const Eigen::Vector3d way = after.position - before.position;
+    double heading = std::atan2(way.x(), way.z());
+    // Without a jump from one turn to the next.
+    if (k > 0) heading = places[k - 1].heading_rad + std::remainder(heading - places[k - 1].heading_rad, 2.0 * kPi);
+    places[k].heading_rad = heading;
+    places[k].slope = -way.y() / (after.distance_m - before.distance_m);
+  }
+  for (std::size_t k = 1; k < last; ++k) {
+    places[k].curvature_per_m =
+        (places[k + 1].heading_rad - places[k - 1].heading_rad) / (places[k + 1].distance_m - places[k - 1].distance_m);
+  }
+  Path path;
+  path.points_ = std::move(places);
+  return path;
+}
 
 Path Path::of_pieces(const std::vector<PathPiece>& pieces, const std::vector<HeightWave>& waves) {
   GS_CHECK(!pieces.empty(), "a path has a piece");
@@ -85,6 +119,7 @@ PathPoint Path::at(double distance_m) const {
   point.heading_rad = low.heading_rad + share * (high.heading_rad - low.heading_rad);
   point.curvature_per_m = low.curvature_per_m + share * (high.curvature_per_m - low.curvature_per_m);
   point.slope = low.slope + share * (high.slope - low.slope);
+  point.bank = low.bank + share * (high.bank - low.bank);
   return point;
 }
 

@@ -30,6 +30,51 @@ void aim(Ray& ray, const Eigen::Vector3d& origin, const Eigen::Vector3d& directi
   ray.flags = 0;
 }
 
+template <class Rays>
+void aim4(Rays& rays, int (&valid)[4], const RayPacket& packet) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    valid[k] = packet.valid[k] ? -1 : 0;
+    rays.org_x[k] = static_cast<float>(packet.origin[k].x());
+    rays.org_y[k] = static_cast<float>(packet.origin[k].y());
+    rays.org_z[k] = static_cast<float>(packet.origin[k].z());
+    rays.dir_x[k] = static_cast<float>(packet.direction[k].x());
+    rays.dir_y[k] = static_cast<float>(packet.direction[k].y());
+    rays.dir_z[k] = static_cast<float>(packet.direction[k].z());
+    rays.tnear[k] = kOffsetM;
+    rays.tfar[k] = std::numeric_limits<float>::infinity();
+    rays.time[k] = 0.0F;
+    rays.mask[k] = ~0U;
+    rays.id[k] = 0;
+    rays.flags[k] = 0;
+  }
+}
+
+/// What Embree says of a ray's hit.
+struct Found {
+  unsigned geometry = RTC_INVALID_GEOMETRY_ID;
+  unsigned primitive = 0;
+  float u = 0.0F;
+  float v = 0.0F;
+  float distance = 0.0F;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+};
+
+std::optional<RayHit> hit_of(const std::vector<TriangleMesh>& meshes, const Found& found,
+                             const Eigen::Vector3d& direction) {
+  if (found.geometry == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const TriangleMesh& mesh = meshes[found.geometry];
+  const auto& face = mesh.faces[found.primitive];
+  RayHit hit;
+  hit.distance_m = found.distance;
+  hit.normal = found.normal.normalized();
+  if (hit.normal.dot(direction) > 0.0) hit.normal = -hit.normal;
+  const float rest = 1.0F - found.u - found.v;
+  hit.uv = (rest * mesh.uv[face[0]] + found.u * mesh.uv[face[1]] + found.v * mesh.uv[face[2]]).cast<double>();
+  hit.material = mesh.material;
+  hit.mesh = static_cast<int>(found.geometry);
+  return hit;
+}
+
 }  // namespace
 
 struct RayScene::Embree {
@@ -98,19 +143,10 @@ std::optional<RayHit> RayScene::hit(const Eigen::Vector3d& origin, const Eigen::
   RTCIntersectContext context{};
   rtcInitIntersectContext(&context);
   rtcIntersect1(embree_->scene, &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const TriangleMesh& mesh = embree_->meshes[query.hit.geomID];
-  const auto& face = mesh.faces[query.hit.primID];
-  RayHit hit;
-  hit.distance_m = query.ray.tfar;
-  hit.normal = Eigen::Vector3d(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).normalized();
-  if (hit.normal.dot(direction) > 0.0) hit.normal = -hit.normal;
-  const float u = query.hit.u;
-  const float v = query.hit.v;
-  hit.uv = ((1.0F - u - v) * mesh.uv[face[0]] + u * mesh.uv[face[1]] + v * mesh.uv[face[2]]).cast<double>();
-  hit.material = mesh.material;
-  hit.mesh = static_cast<int>(query.hit.geomID);
-  return hit;
+  return hit_of(embree_->meshes,
+                {query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v, query.ray.tfar,
+                 Eigen::Vector3d(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z)},
+                direction);
 }
 
 bool RayScene::blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
@@ -120,6 +156,42 @@ bool RayScene::blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& dir
   rtcInitIntersectContext(&context);
   rtcOccluded1(embree_->scene, &context, &ray);
   return ray.tfar < 0.0F;
+}
+
+std::array<std::optional<RayHit>, 4> RayScene::hit(const RayPacket& rays) const {
+  alignas(16) int valid[4];
+  RTCRayHit4 query{};
+  aim4(query.ray, valid, rays);
+  for (std::size_t k = 0; k < 4; ++k) {
+    query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+  }
+  RTCIntersectContext context{};
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect4(valid, embree_->scene, &context, &query);
+  std::array<std::optional<RayHit>, 4> hits;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (!rays.valid[k]) continue;
+    hits[k] = hit_of(embree_->meshes,
+                     {query.hit.geomID[k], query.hit.primID[k], query.hit.u[k], query.hit.v[k], query.ray.tfar[k],
+                      Eigen::Vector3d(query.hit.Ng_x[k], query.hit.Ng_y[k], query.hit.Ng_z[k])},
+                     rays.direction[k]);
+  }
+  return hits;
+}
+
+std::array<bool, 4> RayScene::blocked(const RayPacket& rays) const {
+  alignas(16) int valid[4];
+  RTCRay4 query{};
+  aim4(query, valid, rays);
+  RTCIntersectContext context{};
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcOccluded4(valid, embree_->scene, &context, &query);
+  std::array<bool, 4> blocked{};
+  for (std::size_t k = 0; k < 4; ++k) blocked[k] = rays.valid[k] && query.tfar[k] < 0.0F;
+  return blocked;
 }
 
 }  // namespace groundscale

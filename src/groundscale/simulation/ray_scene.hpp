@@ -30,6 +30,13 @@ struct RayHit {
   int mesh = 0;
 };
 
+/// Four rays; those that aren't `valid` meet nothing.
+struct RayPacket {
+  std::array<Eigen::Vector3d, 4> origin;
+  std::array<Eigen::Vector3d, 4> direction;  ///< Unit vectors.
+  std::array<bool, 4> valid{};
+};
+
 /// What rays meet, by Embree. Hits are the same whatever the number of threads that ask and the processor's instruction
 /// sets: SSE 4.2 is used everywhere.
 class RayScene {
@@ -43,6 +50,10 @@ class RayScene {
   std::optional<RayHit> hit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
   /// Whether anything lies in that direction.
   bool blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
+
+  /// The same for four rays at once, in half of the time where they lie close together.
+  std::array<std::optional<RayHit>, 4> hit(const RayPacket& rays) const;
+  std::array<bool, 4> blocked(const RayPacket& rays) const;
 
  private:
   struct Embree;

@@ -3,7 +3,8 @@
 #include <vector>
 
 #include "groundscale/camera/camera.hpp"
-#include "groundscale/geometry/rigid_transform.hpp"
+#include "groundscale/core/image.hpp"
+#include "groundscale/simulation/camera_motion.hpp"
 #include "groundscale/simulation/world.hpp"
 
 namespace groundscale {
@@ -16,22 +17,43 @@ struct Radiance {
 };
 
 struct RenderOptions {
-  int samples = 2;       ///< Rays a side of a pixel.
-  int edge_samples = 4;  ///< The same where a pixel meets more than one surface.
+  int edge_samples = 4;  ///< Rays a side of a pixel that meets more than one surface, 2 or 4; elsewhere there are 2.
   int threads = 1;
 };
 
-/// Where the camera is while its shutter is open. Equal poses: no motion blur.
-struct Shutter {
-  RigidTransform world_from_cam_open;
-  RigidTransform world_from_cam_close;
+/// What a camera sees of a world. A pixel's rays are spread over its area and over the time that the shutter is open.
+/// The same values whatever the number of threads. Pixels without a ray stay dark.
+class Renderer {
+ public:
+  /// The world must outlive the renderer.
+  Renderer(const World& world, CameraPtr camera, const RenderOptions& options);
+
+  const CameraPtr& camera() const { return camera_; }
+  /// Of the 2 x 2 places of each pixel, row by row; zero where the camera has none.
+  const std::vector<Eigen::Vector3f>& rays() const { return rays_; }
+
+  /// @param moving  What moves, as it lies in the middle of the exposure; none where null.
+  Radiance render(const Shutter& shutter, const RayScene* moving = nullptr) const;
+
+  /// Mean of the light of every eighth pixel in both directions.
+  double mean_light(const Shutter& shutter, const RayScene* moving = nullptr) const;
+
+  /// Distance along the optical axis to what the middle of each pixel meets, in metres; 0 where it meets nothing.
+  std::vector<float> depth(const RigidTransform& world_from_cam, const RayScene* moving = nullptr) const;
+  /// 255 where the middle of a pixel meets the road within its kerbs, 0 elsewhere.
+  Image road_mask(const RigidTransform& world_from_cam, const RayScene* moving = nullptr) const;
+
+ private:
+  template <class Row>
+  void for_each_row(const Row& row) const;
+  std::optional<RayHit> middle_hit(int x, int y, const RigidTransform& world_from_cam, const RayScene* moving) const;
+
+  RayPacket rays_of(int x, int y, const std::vector<RigidTransform>& poses) const;
+
+  const World& world_;
+  CameraPtr camera_;
+  RenderOptions options_;
+  std::vector<Eigen::Vector3f> rays_;
 };
-
-/// What a camera sees: a pixel's rays are spread over its area and over the time that the shutter is open. The same
-/// values whatever the number of threads. Pixels without a ray stay dark.
-Radiance render(const World& world, const Camera& camera, const Shutter& shutter, const RenderOptions& options);
-
-/// The pose a share (0 to 1) of the way from one to the other, at an even rate.
-RigidTransform between(const RigidTransform& from, const RigidTransform& to, double share);
 
 }  // namespace groundscale

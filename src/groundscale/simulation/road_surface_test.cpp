@@ -18,7 +18,7 @@ TEST(RoadSurface, ThePathLiesOnTheRoadAtItsOwnHeight) {
     EXPECT_NEAR(place.on_path.distance_m, s, 1e-3);
     EXPECT_NEAR(place.from_crest_m, 1.75, 1e-3);
     EXPECT_EQ(place.ground, Ground::kRoad);
-    EXPECT_NEAR(surface.ground_y(place), point.position.y(), 1e-3);
+    EXPECT_NEAR(place.ground_y, point.position.y(), 1e-3);
   }
 }
 
@@ -38,20 +38,62 @@ TEST(RoadSurface, TheCrossSectionIsTheProfiles) {
   EXPECT_NEAR(surface.ground_y(30.0, 50.0), 0.02 * 3.6 - 0.12 - 0.3 - lane, 1e-9);
 }
 
-TEST(RoadSurface, ASecondPassFindsTheWorldAsItWas) {
-  // A block that closes; its second round lies 20 cm higher by its own height, but the first round has made the world.
+/// A block that closes and is driven on for another side; from its start to its end it rises by `rise_m`.
+Path block(double rise_m) {
   std::vector<PathPiece> pieces;
   for (int side = 0; side < 5; ++side) {
     pieces.push_back({60.0, 0.0});
     for (const PathPiece& piece : turn_pieces(std::numbers::pi / 2.0, 9.0, 6.0)) pieces.push_back(piece);
   }
-  const Path path = Path::of_pieces(pieces, {{0.2, 1000.0, 0.0}});
+  return Path::of_pieces(pieces, {{rise_m, 2000.0, 0.0}});
+}
+
+TEST(RoadSurface, TwoPassesFindOneGroundBetweenTheirHeights) {
+  const Path path = block(0.02);
   const RoadSurface surface(path, {});
   const double round = path.length_m() / 5.0 * 4.0;
   const PathPoint first = path.at(30.0);
   const PathPoint second = path.at(round + 30.0);
-  ASSERT_GT(std::abs(second.position.y() - first.position.y()), 0.01);
-  EXPECT_NEAR(surface.ground_y(second.position.x(), second.position.z()), first.position.y(), 1e-3);
+  ASSERT_GT(std::abs(second.position.y() - first.position.y()), 0.005);
+  EXPECT_NEAR(surface.ground_y(second.position.x(), second.position.z()),
+              0.5 * (first.position.y() + second.position.y()), 1e-3);
+  // Its markings are the first pass's.
+  EXPECT_NEAR(surface.locate(second.position.x(), second.position.z()).on_path.distance_m, 30.0, 0.1);
+}
+
+TEST(RoadSurface, WhereAPathCrossesItselfThereAreNoKerbs) {
+  // A loop to the right that crosses its own straight beginning at a right angle.
+  std::vector<PathPiece> pieces = {{80.0, 0.0}};
+  for (int corner = 0; corner < 3; ++corner) {
+    for (const PathPiece& piece : turn_pieces(std::numbers::pi / 2.0, 12.0, 6.0)) pieces.push_back(piece);
+  }
+  pieces.push_back({60.0, 0.0});
+  const Path path = Path::of_pieces(pieces, {});
+  const RoadSurface surface(path, {});
+  // Along the last straight, over the first one's kerbs.
+  bool crossed = false;
+  for (double s = path.length_m() - 60.0; s < path.length_m(); s += 0.5) {
+    const PathPoint point = path.at(s);
+    const RoadPlace place = surface.locate(point.position.x(), point.position.z());
+    EXPECT_EQ(place.ground, Ground::kRoad) << s;
+    crossed |= place.junction;
+  }
+  EXPECT_TRUE(crossed);
+}
+
+TEST(RoadSurface, ARoadLeadsOnWhereThePathTurnsOff) {
+  std::vector<PathPiece> pieces = {{50.0, 0.0}};
+  for (const PathPiece& piece : turn_pieces(std::numbers::pi / 2.0, 9.0, 6.0)) pieces.push_back(piece);
+  pieces.push_back({50.0, 0.0});
+  const Path path = Path::of_pieces(pieces, {});
+  const std::vector<Path> side_roads = side_roads_of(path);
+  ASSERT_EQ(side_roads.size(), 1U);
+  const RoadSurface surface(path, {}, side_roads);
+  EXPECT_EQ(surface.locate(0.0, 80.0).road, 1);
+  EXPECT_EQ(surface.locate(0.0, 80.0).ground, Ground::kRoad);
+  EXPECT_EQ(RoadSurface(path, {}).locate(0.0, 80.0).ground, Ground::kVerge);
+  // The block closes on itself; each of its corners has one. What leads onto the path's own way hasn't.
+  EXPECT_TRUE(side_roads_of(Path::of_pieces({{100.0, 0.0}}, {})).empty());
 }
 
 TEST(RoadSurface, FarFromThePathThereIsNoRoad) {

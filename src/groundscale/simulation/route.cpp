@@ -28,10 +28,10 @@ Route city() {
     pieces.push_back({kHalfSideM, 0.0});
   }
   pieces.push_back({kHalfSideM, 0.0});
-  return {Path::of_pieces(pieces, {}), 10.0, {}, 0.0};
+  return {Path::of_pieces(pieces, {}), Surroundings::kTown, 10.0, {}, 0.0};
 }
 
-Route straight() { return {Path::of_pieces({{1000.0, 0.0}}, {{0.4, 310.0, 0.0}}), 13.0, {}, 0.0}; }
+Route straight() { return {Path::of_pieces({{1000.0, 0.0}}, {{0.4, 310.0, 0.0}}), Surroundings::kTown, 13.0, {}, 0.0}; }
 
 Route hills() {
   std::vector<PathPiece> pieces{{60.0, 0.0}};
@@ -41,14 +41,14 @@ Route hills() {
     append(pieces, turn_pieces(angle_deg * kRadPerDeg, radius_m, 15.0));
     pieces.push_back({40.0, 0.0});
   }
-  return {Path::of_pieces(pieces, {{4.0, 260.0, 0.0}, {1.0, 95.0, 1.0}}), 15.0, {}, 0.0};
+  return {Path::of_pieces(pieces, {{4.0, 260.0, 0.0}, {1.0, 95.0, 1.0}}), Surroundings::kCountry, 15.0, {}, 0.0};
 }
 
 Route stop_and_go() {
   std::vector<PathPiece> pieces{{120.0, 0.0}};
   append(pieces, turn_pieces(-90.0 * kRadPerDeg, 10.0, 7.0));
   pieces.push_back({180.0, 0.0});
-  return {Path::of_pieces(pieces, {}), 9.0, {30.0, 75.0, 115.0, 190.0, 240.0}, 4.0};
+  return {Path::of_pieces(pieces, {}), Surroundings::kTown, 9.0, {30.0, 75.0, 115.0, 190.0, 240.0}, 4.0};
 }
 
 Route motorway() {
@@ -57,7 +57,7 @@ Route motorway() {
   pieces.push_back({400.0, 0.0});
   append(pieces, turn_pieces(-20.0 * kRadPerDeg, 1200.0, 150.0));
   pieces.push_back({500.0, 0.0});
-  return {Path::of_pieces(pieces, {{3.0, 700.0, 0.5}}), 25.0, {}, 0.0};
+  return {Path::of_pieces(pieces, {{3.0, 700.0, 0.5}}), Surroundings::kMotorway, 25.0, {}, 0.0};
 }
 
 struct NamedRoute {

@@ -8,9 +8,13 @@
 
 namespace groundscale {
 
+/// What a route's road is like and what stands beside it.
+enum class Surroundings { kTown, kCountry, kMotorway };
+
 /// A road and how fast it is driven.
 struct Route {
   Path path;
+  Surroundings surroundings = Surroundings::kTown;
   double cruise_mps = 0.0;
   std::vector<double> stops_m;  ///< Distances at which the vehicle halts, ascending.
   double stop_s = 0.0;          ///< How long it waits there.

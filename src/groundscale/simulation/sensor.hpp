@@ -18,18 +18,21 @@ struct SensorOptions {
   double gamma = 1.8;           ///< Grey level = light^(1 / gamma).
 };
 
-/// Turns light into 8-bit images, frame after frame: its exposure follows the scene with a lag.
-class Sensor {
+/// The gain of each image: it follows the scene with a lag.
+class Exposure {
  public:
-  Sensor(const SensorOptions& options, Rng& rng) : options_(options), rng_(rng) {}
+  explicit Exposure(const SensorOptions& options) : options_(options) {}
 
-  /// @param dt_s  Since the frame before; of no account for the first.
-  Image expose(const Radiance& light, double dt_s);
+  /// @param mean_light  Of the image, about: a part of its pixels will do.
+  /// @param dt_s        Since the frame before; of no account for the first.
+  double follow(double mean_light, double dt_s);
 
  private:
   SensorOptions options_;
-  Rng& rng_;
   std::optional<double> gain_;
 };
+
+/// Turns light into an 8-bit image at a gain.
+Image expose(const Radiance& light, double gain, const SensorOptions& options, Rng& rng);
 
 }  // namespace groundscale

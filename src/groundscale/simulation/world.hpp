@@ -8,10 +8,14 @@
 
 namespace groundscale {
 
+/// What a seed makes of a world changes only with this number.
+inline constexpr int kWorldVersion = 1;
+
 struct WorldOptions {
   std::uint64_t seed = 0;
   RoadProfile profile;
   AsphaltOptions asphalt;
+  bool side_roads = true;        ///< Where the path turns off.
   double houses_share = 0.85;    ///< Of the frontage that is built up.
   double trees_a_side_m = 25.0;  ///< Mean distance between trees; 0: none.
   double cars_share = 0.35;      ///< Of the kerb that has cars parked along it.

@@ -1,0 +1,278 @@
+#include "groundscale/simulation/drive_writer.hpp"
+
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "groundscale/camera/pinhole.hpp"
+#include "groundscale/io/camera_file.hpp"
+#include "groundscale/io/config.hpp"
+#include "groundscale/io/files.hpp"
+#include "groundscale/io/image_file.hpp"
+#include "groundscale/io/trajectory_file.hpp"
+
+namespace groundscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+std::string options_text(const SimulatedDrive& drive) {
+  SimulationOptions options = drive.camera.options;
+  return to_yaml([&options](FieldVisitor& visitor) { visit_fields(options, visitor); });
+}
+
+/// FNV-1a, 64 bits (Fowler, Noll, Vo).
+class Hash {
+ public:
+  void add(const void* bytes, std::size_t count) {
+    const auto* byte = static_cast<const unsigned char*>(bytes);
+    for (std::size_t k = 0; k < count; ++k) value_ = (value_ ^ byte[k]) * 0x100000001b3ULL;
+  }
+  void add(std::string_view text) { add(text.data(), text.size()); }
+  void add(double value) { add(&value, sizeof value); }
+  void add(const Eigen::Vector3d& v) {
+    for (const double value : v) add(value);
+  }
+  void add(const RigidTransform& pose) {
+    for (const double value : pose.rotation.reshaped()) add(value);
+    add(pose.translation);
+  }
+  std::string text() const { return fmt::format("{:016x}", value_); }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325ULL;
+};
+
+std::string image_name(std::size_t frame) { return fmt::format("{:06d}.png", frame); }
+
+/// The images of a drive, from where they were kept or rendered anew; in any order, quickest in that of the frames.
+class DriveImages {
+ public:
+  DriveImages(const SimulatedDrive& drive, const std::string& cache_folder, int threads)
+      : drive_(drive),
+        renderer_(drive.world, drive.camera.camera,
+                  {.edge_samples = drive.camera.options.edge_samples, .threads = threads}),
+        exposure_(drive.camera.options.sensor) {
+    if (!cache_folder.empty()) kept_ = cache_folder + "/" + drive_key(drive);
+  }
+
+  /// Bytes of a PNG.
+  Result<std::string> image(std::size_t frame) {
+    if (!kept_.empty()) {
+      if (auto bytes = read_text(kept_ + "/" + image_name(frame)); bytes) return bytes;
+    }
+    const Radiance light = renderer_.render(drive_.moments[frame].shutter);
+    // A generator of its own for each frame, so that none depends on which were rendered before.
+    Rng rng(drive_.seed + 0x9e3779b97f4a7c15ULL * (frame + 1));
+    auto bytes = encode_image(expose(light, gain(frame), drive_.camera.options.sensor, rng), ".png");
+    if (bytes) keep(frame, *bytes);
+    return bytes;
+  }
+
+  Result<std::string> depth(std::size_t frame) const {
+    const Camera& camera = *drive_.camera.camera;
+    return encode_depth(renderer_.depth(drive_.moments[frame].world_from_cam), camera.width(), camera.height());
+  }
+
+  Result<std::string> road_mask(std::size_t frame) const {
+    return encode_image(renderer_.road_mask(drive_.moments[frame].world_from_cam), ".png");
+  }
+
+ private:
+  /// The exposure depends on all frames before.
+  double gain(std::size_t frame) {
+    for (; metered_ <= frame; ++metered_) {
+      const CameraMoment& moment = drive_.moments[metered_];
+      const double dt_s = metered_ == 0 ? 0.0 : moment.time_s - drive_.moments[metered_ - 1].time_s;
+      gain_ = exposure_.follow(renderer_.mean_light(moment.shutter), dt_s);
+    }
+    return gain_;
+  }
+
+  /// What can't be kept is rendered again the next time.
+  void keep(std::size_t frame, const std::string& bytes) {
+    if (kept_.empty()) return;
+    std::error_code error;
+    fs::create_directories(kept_, error);
+    if (error || !write_text(kept_ + "/" + image_name(frame), bytes)) kept_.clear();
+  }
+
+  const SimulatedDrive& drive_;
+  Renderer renderer_;
+  Exposure exposure_;
+  std::string kept_;  ///< Folder; empty: nothing is kept.
+  std::size_t metered_ = 0;
+  double gain_ = 0.0;
+};
+
+/// The files with a row a frame.
+class DriveRows {
+ public:
+  static Result<DriveRows> create(const std::string& folder) {
+    DriveRows rows;
+    for (const char* name : {"poses.txt", "times.txt", "truth.csv"}) {
+      auto writer = LineWriter::create(folder + "/" + name);
+      if (!writer) return writer.error();
+      rows.writers_.push_back(std::move(*writer));
+    }
+    const auto header =
+        rows.writers_.back().write("frame,height_m,plane_height_m,normal_x,normal_y,normal_z,speed_mps");
+    if (!header) return header.error();
+    return rows;
+  }
+
+  /// All rows of a frame or none.
+  Result<void> add(const std::array<std::string, 3>& texts) {
+    for (std::size_t k = 0; k < texts.size(); ++k) {
+      auto done = writers_[k].write(texts[k]);
+      if (done) continue;
+      for (std::size_t before = 0; before < k; ++before) writers_[before].take_back();
+      return done;
+    }
+    return {};
+  }
+
+ private:
+  DriveRows() = default;
+  std::vector<LineWriter> writers_;
+};
+
+std::array<std::string, 3> rows_of(const SimulatedDrive& drive, std::size_t frame) {
+  const CameraMoment& moment = drive.moments[frame];
+  const RoadTruth truth = road_truth(drive, frame);
+  const Eigen::Vector3d& n = truth.plane.normal_in_cam;
+  return {kitti_row(drive.moments.front().world_from_cam.inverse() * moment.world_from_cam),
+          fmt::format("{:.6f}", moment.time_s),
+          fmt::format("{},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.6f}", frame, truth.height_m, truth.plane.height, n.x(),
+                      n.y(), n.z(), moment.speed_mps)};
+}
+
+Result<void> write_camera(const std::string& folder, const SimulatedDrive& drive) {
+  const CameraRig& rig = drive.camera.options.rig;
+  CameraSetup setup;
+  setup.camera = drive.camera.camera;
+  setup.height_m = rig.height_m;
+  if (drive.mounted) {
+    setup.pitch_rad = kRadPerDeg * rig.pitch_deg;
+    setup.roll_rad = kRadPerDeg * rig.roll_deg;
+    setup.yaw_rad = kRadPerDeg * rig.yaw_deg;
+  }
+  if (auto done = write_camera_file(folder + "/camera.yaml", setup); !done) return done;
+  const auto* pinhole = dynamic_cast<const PinholeCamera*>(setup.camera.get());
+  if (pinhole == nullptr) return {};
+  const PinholeParameters& p = pinhole->parameters();
+  return write_text(folder + "/calib.txt", fmt::format("P0: {} 0 {} 0 0 {} {} 0 0 0 1 0\n", p.fx, p.cx, p.fy, p.cy));
+}
+
+/// What belongs to the drive as a whole.
+Result<void> write_head(const std::string& folder, const SimulatedDrive& drive, const std::string& source) {
+  if (auto done = write_camera(folder, drive); !done) return done;
+  const std::string text = fmt::format("# {}\n# world version {}\n{}", source, kWorldVersion, options_text(drive));
+  if (auto done = write_text(folder + "/simulation.yaml", text); !done) return done;
+  if (drive.camera.region_px.empty()) return {};
+  return write_text(
+      folder + "/config.yaml",
+      fmt::format("# For run --config: where the road is in view.\nroad:\n  region:\n    polygon_px: [{}]\n",
+                  fmt::join(drive.camera.region_px, ", ")));
+}
+
+/// The numbered images of an earlier drive would be frames of this one.
+void remove_images(const std::string& folder) {
+  std::error_code ignored;
+  for (std::size_t frame = 0; fs::remove(folder + "/" + image_name(frame), ignored); ++frame) continue;
+}
+
+/// One image or all of a frame: what was written of it before a failure is removed.
+Result<void> write_frame(const std::string& folder, std::size_t frame,
+                         const std::vector<std::pair<std::string, Result<std::string>>>& images) {
+  std::error_code ignored;
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    const auto& [name, bytes] = images[k];
+    const std::string path = fmt::format("{}/{}/{}", folder, name, image_name(frame));
+    const Result<void> done = bytes ? write_text(path, *bytes) : Result<void>(bytes.error());
+    if (done) continue;
+    for (std::size_t before = 0; before < k; ++before) {
+      fs::remove(fmt::format("{}/{}/{}", folder, images[before].first, image_name(frame)), ignored);
+    }
+    return done;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string user_cache_folder() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && *cache != '\0') return std::string(cache) + "/groundscale/drives";
+  const char* home = std::getenv("HOME");
+  return home != nullptr && *home != '\0' ? std::string(home) + "/.cache/groundscale/drives" : "";
+}
+
+std::string drive_key(const SimulatedDrive& drive) {
+  Hash hash;
+  // Embree's instruction set decides the last bits of what rays meet.
+  hash.add(fmt::format("world {}, SSE 4.2, seed {}, {} x {}\n", kWorldVersion, drive.seed, drive.camera.camera->width(),
+                       drive.camera.camera->height()));
+  hash.add(options_text(drive));
+  const Renderer renderer(drive.world, drive.camera.camera, {});
+  hash.add(renderer.rays().data(), renderer.rays().size() * sizeof(Eigen::Vector3f));
+  for (const Path& road : drive.world.surface.roads()) {
+    for (double s = 0.0; s <= road.length_m(); s += 1.0) hash.add(road.at(s).position);
+  }
+  for (const CameraMoment& moment : drive.moments) {
+    hash.add(moment.time_s);
+    hash.add(moment.world_from_cam);
+    hash.add(moment.shutter.world_from_cam_open);
+    hash.add(moment.shutter.world_from_cam_close);
+  }
+  return hash.text();
+}
+
+Result<void> write_drive(const SimulatedDrive& drive, const DriveOutput& output, const std::string& source,
+                         const std::function<void(int)>& progress) {
+  const auto frames = output.frames > 0 ? static_cast<std::size_t>(output.frames) : drive.moments.size();
+  if (frames > drive.moments.size()) {
+    return Error{ErrorCode::kBadInput, fmt::format("--frames {}: the drive has {}", frames, drive.moments.size())};
+  }
+  if (auto free = check_output_folder("--output", output.folder, output.force); !free) return free;
+  std::vector<std::string> folders = {"image_0"};
+  if (output.depth) folders.emplace_back("depth");
+  if (output.road_masks) folders.emplace_back("road_masks");
+  for (const std::string& name : folders) {
+    if (auto done = make_output_folder("--output", output.folder + "/" + name); !done) return done;
+    remove_images(output.folder + "/" + name);
+  }
+  if (auto done = write_head(output.folder, drive, source); !done) return done;
+  auto rows = DriveRows::create(output.folder);
+  if (!rows) return rows.error();
+
+  DriveImages images(drive, output.cache_folder, output.threads);
+  for (std::size_t k = 0; k < frames; ++k) {
+    std::vector<std::pair<std::string, Result<std::string>>> bytes;
+    bytes.emplace_back("image_0", images.image(k));
+    if (output.depth) bytes.emplace_back("depth", images.depth(k));
+    if (output.road_masks) bytes.emplace_back("road_masks", images.road_mask(k));
+    Result<void> done = write_frame(output.folder, k, bytes);
+    if (done) {
+      done = rows->add(rows_of(drive, k));
+      for (const std::string& name : folders) {
+        std::error_code ignored;
+        if (!done) fs::remove(fmt::format("{}/{}/{}", output.folder, name, image_name(k)), ignored);
+      }
+    }
+    if (!done) {
+      return Error{done.error().code,
+                   fmt::format("{} ({} of {} frames are written and whole)", done.error().message, k, frames)};
+    }
+    progress(static_cast<int>(k) + 1);
+  }
+  return {};
+}
+
+}  // namespace groundscale
