@@ -12,15 +12,6 @@
 namespace groundscale {
 namespace {
 
-/// A world without anything beside the road.
-WorldOptions bare() {
-  WorldOptions options;
-  options.houses_share = 0.0;
-  options.trees_a_side_m = 0.0;
-  options.cars_share = 0.0;
-  return options;
-}
-
 SimulatedCamera small_camera() {
   SimulatedCamera camera = find_camera_preset("small").value();
   camera.shutter_s = 0.0;
@@ -36,7 +27,7 @@ TEST(Presets, AnUnknownNameListsTheKnownOnes) {
 }
 
 TEST(TruthOfDrive, OnALevelFlatRoadThePlaneIsTheRoadItself) {
-  WorldOptions options = bare();
+  WorldOptions options = WorldOptions::bare();
   options.profile.crown = 0.0;
   SimulatedCamera camera = small_camera();
   camera.rig.mounting = {0.02, -0.01, 0.03};
@@ -53,7 +44,7 @@ TEST(TruthOfDrive, OnALevelFlatRoadThePlaneIsTheRoadItself) {
 
 TEST(TruthOfDrive, ItsHomographyMapsRoadToRoad) {
   // What is true of both frames' planes: points of the road, projected into both, are mapped onto each other.
-  WorldOptions options = bare();
+  WorldOptions options = WorldOptions::bare();
   options.profile.crown = 0.0;
   const SimulatedCamera camera = small_camera();
   const Route route{Path::of_pieces(turn_pieces(1.2, 15.0, 8.0), {}), 7.0, {}, 0.0};
@@ -77,7 +68,7 @@ TEST(TruthOfDrive, ItsHomographyMapsRoadToRoad) {
 
 TEST(Render, RoadPixelsLieWhereTheTruthSays) {
   // Texture seen in one frame is where the homography of the truth says in the next: rendered light agrees.
-  WorldOptions options = bare();
+  WorldOptions options = WorldOptions::bare();
   options.profile.crown = 0.0;
   options.asphalt.grain = 0.0;  // stains alone are smooth enough to be compared between pixels
   SimulatedCamera camera = small_camera();

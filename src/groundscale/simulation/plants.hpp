@@ -1,12 +1,21 @@
 #pragma once
 
 #include "groundscale/core/rng.hpp"
+#include "groundscale/simulation/roadside.hpp"
 #include "groundscale/simulation/shapes.hpp"
-#include "groundscale/simulation/world.hpp"
 
 namespace groundscale {
 
+/// Trunk, branches, and leaves with gaps that light falls through; some 600 triangles in two meshes.
+Meshes tree_meshes(const Footing& foot, int variant, Rng& rng);
+
+/// Up to head height; some 160 triangles.
+Meshes bush_meshes(const Footing& foot, int variant, Rng& rng);
+
 /// Trees along both kerbs.
-void add_trees(Meshes& meshes, const RoadSurface& surface, const WorldOptions& options, Rng& rng);
+void add_trees(Roadside& roadside);
+
+/// Bushes on the verge and in front of houses.
+void add_bushes(Roadside& roadside);
 
 }  // namespace groundscale

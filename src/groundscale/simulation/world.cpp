@@ -5,10 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "groundscale/core/rng.hpp"
-#include "groundscale/simulation/cars.hpp"
-#include "groundscale/simulation/houses.hpp"
-#include "groundscale/simulation/plants.hpp"
+#include "groundscale/simulation/roadside.hpp"
 
 namespace groundscale {
 namespace {
@@ -68,6 +65,15 @@ void add_ground(Meshes& meshes, const RoadSurface& surface) {
 
 }  // namespace
 
+WorldOptions WorldOptions::bare() {
+  WorldOptions options;
+  options.houses_share = 0.0;
+  options.trees_a_side_m = 0.0;
+  options.bushes_a_side_m = 0.0;
+  options.cars_share = 0.0;
+  return options;
+}
+
 Eigen::Vector3d World::sun() const {
   constexpr double kRadPerDeg = std::numbers::pi / 180.0;
   const double elevation = options.sun_elevation_deg * kRadPerDeg;
@@ -78,11 +84,17 @@ Eigen::Vector3d World::sun() const {
 World make_world(const Path& path, const WorldOptions& options) {
   RoadSurface surface(path, options.profile);
   Meshes meshes;
-  Rng rng(options.seed);
   add_ground(meshes, surface);
-  add_houses(meshes, surface, options, rng);
-  add_trees(meshes, surface, options, rng);
-  add_parked_cars(meshes, surface, options, rng);
+  TakenGround taken;
+  Roadside roadside{.surface = surface,
+                    .options = options,
+                    .path = surface.path(),
+                    .lane_offset_m = options.profile.lane_offset_m,
+                    .begin_m = -0.5 * RoadSurface::reach_m(),
+                    .end_m = surface.path().length_m() + 2.0 * RoadSurface::reach_m(),
+                    .taken = taken,
+                    .meshes = meshes};
+  add_roadside(roadside);
   return {options, std::move(surface), RayScene(std::move(meshes))};
 }
 

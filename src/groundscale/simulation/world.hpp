@@ -14,9 +14,13 @@ struct WorldOptions {
   AsphaltOptions asphalt;
   double houses_share = 0.85;    ///< Of the frontage that is built up.
   double trees_a_side_m = 25.0;  ///< Mean distance between trees; 0: none.
+  double bushes_a_side_m = 8.0;  ///< The same for bushes.
   double cars_share = 0.35;      ///< Of the kerb that has cars parked along it.
   double sun_elevation_deg = 40.0;
   double sun_azimuth_deg = 60.0;  ///< From the start's direction of travel, to the right.
+
+  /// Nothing beside the road.
+  static WorldOptions bare();
 };
 
 /// All that stands still about a path, made up from a seed.
