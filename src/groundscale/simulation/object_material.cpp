@@ -128,9 +128,13 @@ double hub(const Eigen::Vector2d& uv, double footprint) {
   return kMean + fade * (spoke - kMean);
 }
 
+/// Leaves that are lit among others in shade, which triangles can't show one by one.
 double leaves(const Eigen::Vector2d& uv, double footprint, int variant, std::uint64_t seed) {
-  const double tone = 0.09 + 0.1 * cell_value(variant, 8, seed);
-  return tone * std::max(0.15, rough(uv, footprint, {.longest_m = 0.5, .octaves = 5, .sd = 0.55}, seed + 550));
+  constexpr double kLeafM = 0.05;
+  const double tone = 0.1 + 0.08 * cell_value(variant, 8, seed);
+  const double clumps = rough(uv, footprint, {.longest_m = 0.6, .octaves = 2, .sd = 0.3}, seed + 550);
+  const double each = rough(uv, footprint, {.longest_m = kLeafM, .octaves = 2, .sd = 0.65}, seed + 552) - 1.0;
+  return tone * std::max(0.15, clumps + std::clamp(each, -0.7, 0.9));
 }
 
 double wood(const Eigen::Vector2d& uv, double footprint, int variant, std::uint64_t seed) {
@@ -208,7 +212,7 @@ double object_albedo(Material material, int variant, const Eigen::Vector2d& uv, 
     case Material::kPlate:
       return plate(uv, footprint, own_seed);
     case Material::kLamp:
-      return 0.12 + 0.5 * stripes(uv.x(), 0.13, 0.5, footprint);
+      return 0.2 + 0.4 * covered(uv.x(), 0.06, 0.2, footprint);
     case Material::kSign:
       return sign(uv, footprint, variant);
     case Material::kMetal:

@@ -40,18 +40,18 @@ Meshes tree_meshes(const Footing& foot, int variant, Rng& rng) {
   TriangleMesh leaves = mesh_of(material_code(Material::kLeaves, variant));
   const double height = rng.uniform(2.2, 3.2);
   const double radius = rng.uniform(0.09, 0.2);
-  const double reach = rng.uniform(1.4, 2.6);
+  const double reach = rng.uniform(1.6, 2.9);
   const Eigen::Vector3d top = foot.at(rng.uniform(-0.25, 0.25), height, rng.uniform(-0.25, 0.25));
   const Tube trunk{foot.at(0.0, -0.3, 0.0), top, 1.25 * radius, 0.8 * radius, 8};
   add_tube(wood, trunk);
   const std::vector<Eigen::Vector3d> places = add_branches(wood, foot, trunk, reach, rng);
-  constexpr int kLeaves = 235;
+  constexpr int kLeaves = 420;
   const int each = kLeaves / static_cast<int>(places.size());
   for (const Eigen::Vector3d& place : places) {
     const double size = reach * rng.uniform(0.32, 0.52);
     const Eigen::Vector3d radii(size * rng.uniform(0.9, 1.3), size * rng.uniform(0.6, 0.9),
                                 size * rng.uniform(0.9, 1.3));
-    add_leaves(leaves, {place, radii, each, 0.11 * reach + 0.03}, rng);
+    add_leaves(leaves, {place, radii, each, 0.08 * reach + 0.03}, rng);
   }
   Meshes parts;
   parts.push_back(std::move(wood));
@@ -67,7 +67,7 @@ Meshes bush_meshes(const Footing& foot, int variant, Rng& rng) {
   for (int k = 0; k < kLumps; ++k) {
     const Eigen::Vector3d middle =
         foot.at(0.5 * radius * rng.normal(), height * rng.uniform(0.35, 0.6), 0.5 * radius * rng.normal());
-    add_leaves(leaves, {middle, {0.7 * radius, 0.5 * height, 0.7 * radius}, 27, 0.09 + 0.1 * radius}, rng);
+    add_leaves(leaves, {middle, {0.7 * radius, 0.5 * height, 0.7 * radius}, 60, 0.05 + 0.08 * radius}, rng);
   }
   Meshes parts;
   parts.push_back(std::move(leaves));

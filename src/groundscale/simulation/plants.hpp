@@ -6,10 +6,10 @@
 
 namespace groundscale {
 
-/// Trunk, branches, and leaves with gaps that light falls through; some 600 triangles in two meshes.
+/// Trunk, branches, and leaves with gaps that light falls through; some 950 triangles in two meshes.
 Meshes tree_meshes(const Footing& foot, int variant, Rng& rng);
 
-/// Up to head height; some 160 triangles.
+/// Up to head height; some 360 triangles.
 Meshes bush_meshes(const Footing& foot, int variant, Rng& rng);
 
 /// Trees along both kerbs.

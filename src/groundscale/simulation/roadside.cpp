@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "groundscale/simulation/cars.hpp"
+#include "groundscale/simulation/fronts.hpp"
 #include "groundscale/simulation/houses.hpp"
 #include "groundscale/simulation/plants.hpp"
+#include "groundscale/simulation/street_furniture.hpp"
 
 namespace groundscale {
 namespace {
@@ -75,7 +77,10 @@ bool Roadside::clear_of_roads(const std::vector<Eigen::Vector3d>& places, double
 void add_roadside(Roadside& roadside) {
   const std::vector<Lot> lots = lay_out_lots(roadside);
   add_houses(roadside, lots);
+  add_fronts(roadside, lots);
   add_trees(roadside);
+  add_poles(roadside);
+  add_boxes(roadside);
   add_parked_cars(roadside);
   add_bushes(roadside);
 }

@@ -68,8 +68,13 @@ void add_ground(Meshes& meshes, const RoadSurface& surface) {
 WorldOptions WorldOptions::bare() {
   WorldOptions options;
   options.houses_share = 0.0;
+  options.hedges_share = 0.0;
+  options.walls_share = 0.0;
+  options.fences_share = 0.0;
   options.trees_a_side_m = 0.0;
   options.bushes_a_side_m = 0.0;
+  options.poles_a_side_m = 0.0;
+  options.boxes_a_side_m = 0.0;
   options.cars_share = 0.0;
   return options;
 }
