@@ -12,20 +12,11 @@
 namespace groundscale {
 namespace {
 
-/// A world without anything beside the road.
-WorldOptions bare() {
-  WorldOptions options;
-  options.houses_share = 0.0;
-  options.trees_a_side_m = 0.0;
-  options.cars_share = 0.0;
-  return options;
-}
-
 /// A small camera without motion blur in a bare world on a flat road.
 CameraPreset small_camera() {
   CameraPreset camera = find_camera_preset("small").value();
   camera.options.shutter_ms = 0.0;
-  camera.options.world = bare();
+  camera.options.world = WorldOptions::bare();
   camera.options.world.profile.crown = 0.0;
   return camera;
 }

@@ -5,24 +5,16 @@
 
 #include "groundscale/core/rng.hpp"
 #include "groundscale/simulation/noise.hpp"
+#include "groundscale/simulation/patterns_internal.hpp"
 
 namespace groundscale {
 namespace {
 
+using internal::covered;
+using internal::rough;
+using internal::tiles;
+
 constexpr int kVariants = 1 << 16;
-
-/// Share of a patch of side `footprint` about `x` that lies in [low, high].
-double covered(double x, double low, double high, double footprint) {
-  const double half = 0.5 * std::max(footprint, 1e-6);
-  return std::clamp((std::min(x + half, high) - std::max(x - half, low)) / (2.0 * half), 0.0, 1.0);
-}
-
-/// A number from 0 to 1 for a cell.
-double cell_value(std::int64_t column, std::int64_t row, std::uint64_t seed) {
-  Rng rng(seed ^ (static_cast<std::uint64_t>(column) * 0x9e3779b97f4a7c15ULL) ^
-          (static_cast<std::uint64_t>(row) * 0xc2b2ae3d27d4eb4fULL));
-  return rng.uniform();
-}
 
 /// Paint of lane markings: a dashed line on the crest, a line along each edge.
 double marking(double along, double across, double footprint, const RoadProfile& profile) {
@@ -112,55 +104,6 @@ double asphalt_albedo(const Eigen::Vector2d& uv, double footprint, bool marked, 
   return value;
 }
 
-/// Windows and a door line on plaster or brick.
-double facade_albedo(const Eigen::Vector2d& uv, double footprint, int variant, std::uint64_t seed) {
-  Rng rng(seed ^ (static_cast<std::uint64_t>(variant) * 0x9e3779b97f4a7c15ULL));
-  const double plaster = rng.uniform(0.25, 0.7);
-  const double spacing = rng.uniform(2.2, 3.6);
-  const double width = rng.uniform(0.9, 1.5);
-  const double storey = rng.uniform(2.7, 3.3);
-  const double sill = rng.uniform(0.8, 1.1);
-  const FractalNoise dirt{.seed = seed + 500 + static_cast<std::uint64_t>(variant),
-                          .longest_m = 3.0,
-                          .octaves = 8,
-                          .first_sd = 0.05,
-                          .persistence = 1.0};
-  double value = plaster * (1.0 + dirt.at(uv.x(), uv.y(), footprint));
-  const auto column = static_cast<std::int64_t>(std::floor(uv.x() / spacing));
-  const auto row = static_cast<std::int64_t>(std::floor(uv.y() / storey));
-  const double x = uv.x() - static_cast<double>(column) * spacing;
-  const double y = uv.y() - static_cast<double>(row) * storey;
-  const double left = 0.5 * (spacing - width);
-  const double frame =
-      covered(x, left - 0.08, left + width + 0.08, footprint) * covered(y, sill - 0.08, sill + 1.48, footprint);
-  const double glass = covered(x, left, left + width, footprint) * covered(y, sill, sill + 1.4, footprint);
-  constexpr double kFrame = 0.75;
-  value += frame * (kFrame - value);
-  // What a pane shows differs from window to window.
-  const double pane = 0.04 + 0.2 * cell_value(column, row, seed + static_cast<std::uint64_t>(variant));
-  return value + glass * (pane - value);
-}
-
-double tiles_albedo(const Eigen::Vector2d& uv, double footprint, double tile_m, double tone, std::uint64_t seed) {
-  const FractalNoise dirt{.seed = seed, .longest_m = 1.5, .octaves = 8, .first_sd = 0.08, .persistence = 0.95};
-  const auto column = static_cast<std::int64_t>(std::floor(uv.x() / tile_m));
-  const auto row = static_cast<std::int64_t>(std::floor(uv.y() / tile_m));
-  const double x = uv.x() - static_cast<double>(column) * tile_m;
-  const double y = uv.y() - static_cast<double>(row) * tile_m;
-  constexpr double kJointM = 0.012;
-  const double joint = std::max(covered(x, 0.0, kJointM, footprint), covered(y, 0.0, kJointM, footprint));
-  const double fade = std::clamp(1.0 - footprint / tile_m, 0.0, 1.0);
-  const double each = 0.12 * fade * (2.0 * cell_value(column, row, seed) - 1.0);
-  return tone * (1.0 + dirt.at(uv.x(), uv.y(), footprint) + each - 0.4 * joint);
-}
-
-double rough_albedo(const Eigen::Vector2d& uv, double footprint, double longest_m, double contrast,
-                    std::uint64_t seed) {
-  const FractalNoise noise{
-      .seed = seed, .longest_m = longest_m, .octaves = 8, .first_sd = 0.4 * contrast, .persistence = 1.0};
-  return 1.0 + noise.at(uv.x(), uv.y(), footprint);
-}
-
 }  // namespace
 
 int material_code(Material material, int variant) {
@@ -173,38 +116,24 @@ double albedo(int material_code, const Eigen::Vector2d& uv, double footprint_m, 
               std::uint64_t seed) {
   const auto material = static_cast<Material>(material_code / kVariants);
   const int variant = material_code % kVariants;
-  const std::uint64_t own_seed = seed + 7919 * static_cast<std::uint64_t>(variant);
   double value = 0.0;
   switch (material) {
     case Material::kAsphalt:
       value = asphalt_albedo(uv, footprint_m, variant == 0, road, seed);
       break;
     case Material::kKerb:
-      value = tiles_albedo(uv, footprint_m, 1.0, 0.35, seed + 600);
+      value = 0.35 * tiles(uv, footprint_m, {.width_m = 1.0, .height_m = 1.0}, seed + 600) *
+              rough(uv, footprint_m, {.longest_m = 1.5, .octaves = 6, .sd = 0.15}, seed + 601);
       break;
     case Material::kPavement:
-      value = tiles_albedo(uv, footprint_m, 0.4, 0.28, seed + 700);
+      value = 0.28 * tiles(uv, footprint_m, {.width_m = 0.4, .height_m = 0.4}, seed + 700) *
+              rough(uv, footprint_m, {.longest_m = 1.5, .octaves = 6, .sd = 0.15}, seed + 701);
       break;
     case Material::kGrass:
-      value = 0.2 * rough_albedo(uv, footprint_m, 3.0, 0.25, seed + 800);
+      value = 0.17 * std::max(0.2, rough(uv, footprint_m, {.longest_m = 2.0, .octaves = 7, .sd = 0.4}, seed + 800));
       break;
-    case Material::kFacade:
-      value = facade_albedo(uv, footprint_m, variant, seed);
-      break;
-    case Material::kRoof:
-      value = tiles_albedo(uv, footprint_m, 0.3, 0.18, own_seed);
-      break;
-    case Material::kBark:
-      value = 0.15 * rough_albedo(uv, footprint_m, 0.4, 0.35, own_seed);
-      break;
-    case Material::kLeaves:
-      value = 0.14 * rough_albedo(uv, footprint_m, 1.2, 0.6, own_seed);
-      break;
-    case Material::kPaint:
-      value = 0.05 + 0.6 * cell_value(variant, 0, seed);
-      break;
-    case Material::kGlass:
-      value = 0.06;
+    default:
+      value = internal::object_albedo(material, variant, uv, footprint_m, seed);
       break;
   }
   return std::clamp(value, 0.01, 0.95);

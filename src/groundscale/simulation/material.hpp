@@ -9,8 +9,30 @@
 namespace groundscale {
 
 /// What surfaces of the world are made of. `uv` of their triangles, in metres: distance along and across the road (from
-/// its crest) for what lies on the ground; along and up the wall for facades; any for the rest.
-enum class Material { kAsphalt, kKerb, kPavement, kGrass, kFacade, kRoof, kBark, kLeaves, kPaint, kGlass };
+/// its crest) for what lies on the ground; along and up the wall for facades; from the middle for signs and hubs; along
+/// from a car's middle and up for paint; a window's are at its pattern; any for the rest.
+enum class Material {
+  kAsphalt,
+  kKerb,
+  kPavement,
+  kGrass,
+  kFacade,
+  kWindow,
+  kRoof,
+  kBark,
+  kLeaves,
+  kPaint,
+  kGlass,
+  kRubber,
+  kHub,
+  kPlate,
+  kLamp,
+  kSign,
+  kMetal,
+  kTrim,
+  kWood,
+  kStone
+};
 
 /// A material with a number that tells one house or car from another, as TriangleMesh has it. Asphalt: 0 with lane
 /// markings, 1 without.

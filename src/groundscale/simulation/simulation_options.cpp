@@ -30,7 +30,15 @@ void visit_fields(WorldOptions& options, FieldVisitor& visitor) {
   visitor.group("asphalt", options.asphalt);
   visitor.field({"side_roads", "", "whether a road leads on where the path turns off"}, options.side_roads);
   visitor.field({"houses_share", "", "of the frontage that is built up", 0.0, 1.0}, options.houses_share);
+  visitor.field({"hedges_share", "", "of front gardens", 0.0, 1.0}, options.hedges_share);
+  visitor.field({"walls_share", "", "of front gardens", 0.0, 1.0}, options.walls_share);
+  visitor.field({"fences_share", "", "of front gardens", 0.0, 1.0}, options.fences_share);
   visitor.field({"trees_a_side_m", "m", "mean distance between trees; 0: none", 0.0, 1e4}, options.trees_a_side_m);
+  visitor.field({"bushes_a_side_m", "m", "mean distance between bushes; 0: none", 0.0, 1e4}, options.bushes_a_side_m);
+  visitor.field({"poles_a_side_m", "m", "mean distance between lamps and signs; 0: none", 0.0, 1e4},
+                options.poles_a_side_m);
+  visitor.field({"boxes_a_side_m", "m", "mean distance between bins and cabinets; 0: none", 0.0, 1e4},
+                options.boxes_a_side_m);
   visitor.field({"cars_share", "", "of the kerb that has cars parked along it", 0.0, 1.0}, options.cars_share);
   visitor.field({"sun_elevation_deg", "deg", "above the horizon; below 0: none", -90.0, 90.0},
                 options.sun_elevation_deg);
@@ -70,6 +78,10 @@ Result<void> validate(const SimulationOptions& options) {
                  fmt::format("world.road.lane_offset_m is {}, it must be below world.road.half_width_m, {}",
                              road.lane_offset_m, road.half_width_m)};
   }
+  const WorldOptions& world = options.world;
+  if (world.hedges_share + world.walls_share + world.fences_share > 1.0) {
+    return Error{ErrorCode::kBadInput, "world.hedges_share, walls_share and fences_share are above 1 together"};
+  }
   if (!(1e-3 * options.shutter_ms <= 1.0 / options.rate_hz)) {
     return Error{ErrorCode::kBadInput,
                  fmt::format("shutter_ms is {}, frames come every {} ms", options.shutter_ms, 1e3 / options.rate_hz)};
@@ -84,7 +96,11 @@ void set_surroundings(Surroundings surroundings, WorldOptions& options) {
     case Surroundings::kCountry:
       options.profile.kerb_m = 0.0;
       options.houses_share = 0.1;
+      options.hedges_share = 0.1;
+      options.walls_share = 0.0;
       options.trees_a_side_m = 12.0;
+      options.poles_a_side_m = 60.0;
+      options.boxes_a_side_m = 0.0;
       options.cars_share = 0.0;
       return;
     case Surroundings::kMotorway:
@@ -97,7 +113,12 @@ void set_surroundings(Surroundings surroundings, WorldOptions& options) {
       options.asphalt.patches_share = 0.0;
       options.asphalt.manholes_share = 0.0;
       options.houses_share = 0.0;
+      options.hedges_share = 0.0;
+      options.walls_share = 0.0;
+      options.fences_share = 0.3;
       options.trees_a_side_m = 40.0;
+      options.poles_a_side_m = 80.0;
+      options.boxes_a_side_m = 0.0;
       options.cars_share = 0.0;
       return;
   }
