@@ -1,9 +1,10 @@
 #include "groundscale/experiments/plot.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -35,19 +36,61 @@ std::string style_of(CurveStyle style, std::size_t curve) {
     case CurveStyle::kLines:
       return fmt::format("with lines linewidth 1.5 linecolor rgb '{}'", colour);
     case CurveStyle::kPoints:
-      return fmt::format("with points pointtype 7 pointsize 0.25 linecolor rgb '{}'", colour);
+      return fmt::format("with points pointtype 7 pointsize 0.4 linecolor rgb '{}'", colour);
     case CurveStyle::kLinesPoints:
       break;
   }
   return fmt::format("with linespoints pointtype {} pointsize 0.8 linewidth 1.5 linecolor rgb '{}'", curve + 4, colour);
 }
 
+/// A row's point of a curve; nothing where one of its cells is empty.
+bool point_of(const std::vector<std::optional<double>>& row, const Curve& curve, double& x, double& y) {
+  const auto& x_cell = row[static_cast<std::size_t>(curve.x)];
+  const auto& y_cell = row[static_cast<std::size_t>(curve.y)];
+  if (!x_cell || !y_cell || !std::isfinite(*x_cell) || !std::isfinite(*y_cell)) return false;
+  x = *x_cell;
+  y = *y_cell;
+  return true;
+}
+
+bool has_points(const Plot& plot, const Curve& curve) {
+  double x = 0.0, y = 0.0;
+  return std::any_of(plot.rows.begin(), plot.rows.end(), [&](const auto& row) { return point_of(row, curve, x, y); });
+}
+
+/// Ranges that hold all points and have the picture's proportions, so that equal axes leave no side narrow.
+std::string equal_ranges(const Plot& plot) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double min_x = kInfinity, max_x = -kInfinity, min_y = kInfinity, max_y = -kInfinity;
+  for (const Curve& curve : plot.curves) {
+    for (const auto& row : plot.rows) {
+      double x = 0.0, y = 0.0;
+      if (!point_of(row, curve, x, y)) continue;
+      min_x = std::min(min_x, x);
+      max_x = std::max(max_x, x);
+      min_y = std::min(min_y, y);
+      max_y = std::max(max_y, y);
+    }
+  }
+  if (min_x > max_x) return "";
+  constexpr double kMargin = 1.08;
+  constexpr double kMinHeight = 1e-3;
+  constexpr double kProportions = 1.7;
+  const double height = kMargin * std::max({max_y - min_y, (max_x - min_x) / kProportions, kMinHeight});
+  const double x = 0.5 * (min_x + max_x), y = 0.5 * (min_y + max_y);
+  return fmt::format("set size ratio -1\nset xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n",
+                     x - 0.5 * kProportions * height, x + 0.5 * kProportions * height, y - 0.5 * height,
+                     y + 0.5 * height);
+}
+
 std::string draw_command(const Plot& plot) {
   std::string text = "plot ";
   for (std::size_t k = 0; k < plot.curves.size(); ++k) {
     const Curve& curve = plot.curves[k];
-    text += fmt::format("{}{} skip 1 using {}:{} {} title {}", k == 0 ? "" : ", \\\n     ", quoted(plot.name + ".csv"),
-                        curve.x + 1, curve.y + 1, style_of(curve.style, k), quoted(curve.title));
+    if (!has_points(plot, curve)) continue;  // keeps its colour elsewhere
+    text += fmt::format("{}{} skip 1 using {}:{} {} title {}", text == "plot " ? "" : ", \\\n     ",
+                        quoted(plot.name + ".csv"), curve.x + 1, curve.y + 1, style_of(curve.style, k),
+                        quoted(curve.title));
   }
   return text + "\n";
 }
@@ -61,14 +104,15 @@ bool holds(const fs::path& path, const std::string& text) {
 }  // namespace
 
 std::string plot_script(const Plot& plot) {
-  GS_CHECK(!plot.curves.empty(), "a figure has a curve");
+  const auto drawn = [&plot](const Curve& curve) { return has_points(plot, curve); };
+  GS_CHECK(std::any_of(plot.curves.begin(), plot.curves.end(), drawn), "a figure has a curve with points");
   std::string text =
       fmt::format("# gnuplot {0}.gp, in this folder, draws {0}.svg and {0}.png from {0}.csv.\n", plot.name);
   text += "set datafile separator ','\nset encoding utf8\n";
   text += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", quoted(plot.title), quoted(plot.x_label),
                       quoted(plot.y_label));
-  text += "set grid linecolor rgb '#cccccc'\nset key outside bottom center horizontal\n";
-  if (plot.equal_axes) text += "set size ratio -1\n";
+  text += "set grid linetype 1 linecolor rgb '#dddddd'\nset key outside bottom center horizontal\nset bmargin 5\n";
+  if (plot.equal_axes) text += equal_ranges(plot);
   for (const std::string& setting : plot.settings) text += setting + "\n";
   text += fmt::format(
       "set terminal svg noenhanced size 900,560 font 'DejaVu Sans,13' background rgb 'white'\n"

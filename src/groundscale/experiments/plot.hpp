@@ -25,12 +25,13 @@ struct Plot {
   std::string x_label, y_label;
   std::vector<std::string> columns;                      ///< Names in the CSV file.
   std::vector<std::vector<std::optional<double>>> rows;  ///< Empty cells are left out of curves.
-  std::vector<Curve> curves;
-  bool equal_axes = false;              ///< A metre is as long upwards as to the side.
-  std::vector<std::string> settings{};  ///< Further commands of gnuplot, before the curves are drawn.
+  std::vector<Curve> curves;                             ///< The last is on top; one without points is left out.
+  bool equal_axes = false;                               ///< A metre is as long upwards as to the side.
+  std::vector<std::string> settings{};                   ///< Further commands of gnuplot, before the curves are drawn.
 };
 
-/// The gnuplot script: reads `NAME.csv` and draws `NAME.svg` and `NAME.png`, all in the folder it is run in.
+/// @pre a curve with points. The gnuplot script: reads `NAME.csv` and draws `NAME.svg` and `NAME.png`, all in the
+/// folder it is run in.
 std::string plot_script(const Plot& plot);
 /// The data with a heading; numbers in the shortest form that reads back to the same bits.
 std::string plot_data(const Plot& plot);
