@@ -105,13 +105,14 @@ Plot trajectory_plot(const FinishedDrive& drive, const PairedDrive& paired) {
 
 Plot scale_plot(const FinishedDrive& drive, const PairedDrive& paired, const std::vector<Step>& steps) {
   Plot plot{.name = "scale-" + drive.name,
-            .title = fmt::format("Drive {}: length of each moving step over the true one (0.85 to 1.15)", drive.name),
+            .title = fmt::format(
+                "Drive {}: length of each moving step over the true one (beyond 0.85 and 1.15 not shown)", drive.name),
             .x_label = "true distance (m)",
             .y_label = "estimated / true step",
             .columns = {"frame", "distance_m", "raw_straight", "raw_turn", "final"},
             .rows = {},
-            .curves = {{.title = "single measurement, straights", .x = 1, .y = 2, .style = CurveStyle::kPoints},
-                       {.title = "single measurement, turns", .x = 1, .y = 3, .style = CurveStyle::kPoints},
+            .curves = {{.title = "raw, straights", .x = 1, .y = 2, .style = CurveStyle::kPoints},
+                       {.title = "raw, turns", .x = 1, .y = 3, .style = CurveStyle::kPoints},
                        {.title = "final", .x = 1, .y = 4}},
             .settings = {"set yrange [0.85:1.15]"}};
   for (std::size_t k = 0; k < steps.size(); ++k) {
@@ -133,7 +134,7 @@ Plot lengths_plot(const std::vector<FinishedDrive>& drives) {
             .columns = {"length_m"},
             .rows = {},
             .curves = {},
-            .settings = {"set yrange [0:*]"}};
+            .settings = {"set xrange [0:900]", "set yrange [0:*]"}};
   for (const FinishedDrive& drive : drives) {
     plot.columns.push_back(drive.name);
     plot.curves.push_back({.title = drive.name,
