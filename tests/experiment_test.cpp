@@ -165,6 +165,14 @@ TEST_F(DrivesExperiment, ADriveThatFailsLeavesTheOthersAlone) {
   EXPECT_THAT(text("drives.md"), HasSubstr("**Not complete:**"));
 }
 
+TEST_F(DrivesExperiment, AFolderThatIsNotItsOwnIsLeftAlone) {
+  fs::remove(output + "/drives/city/drive.key");
+  const ProgramRun refused = drives(output);
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("isn't from an experiment"));
+  EXPECT_TRUE(fs::exists(output + "/drives/city/drive/image_0/000009.png"));
+}
+
 TEST_F(DrivesExperiment, WithoutGnuplotThereIsEverythingElseAndTheFiguresComeLater) {
   fs::remove_all(output + "/figures");
   const std::string path = std::getenv("PATH");
