@@ -30,7 +30,7 @@ using Words = std::vector<std::string>;
 
 ProgramRun drives(const std::string& output, const Words& more = {}) {
   Words arguments = {"experiment", "drives",   "--output", output,        "--preset",
-                     "small",      "--frames", "10",       "--sequences", "straight,city"};
+                     "small",      "--frames", "7",        "--sequences", "straight,city"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return run_program(arguments);
 }
@@ -88,7 +88,7 @@ class DrivesExperiment : public testing::Test {
 TEST_F(DrivesExperiment, WritesTableReportFiguresAndEachCommand) {
   const auto columns = columns_of(output + "/drives.csv");
   EXPECT_THAT(columns.at("drive"), testing::ElementsAre("straight", "city"));
-  EXPECT_THAT(columns.at("frames"), testing::ElementsAre("10", "10"));
+  EXPECT_THAT(columns.at("frames"), testing::ElementsAre("7", "7"));
   for (const char* name : {"length_m", "raw_scale_bias", "raw_scale_spread", "scale_bias", "scale_spread",
                            "raw_scale_bias_straight", "coverage", "median_ms", "peak_memory_mb"}) {
     for (const std::string& cell : columns.at(name)) EXPECT_NO_THROW(std::ignore = std::stod(cell)) << name;
@@ -98,7 +98,7 @@ TEST_F(DrivesExperiment, WritesTableReportFiguresAndEachCommand) {
   EXPECT_THAT(report, HasSubstr("groundscale simulate --output "));
   EXPECT_THAT(report, HasSubstr("drives/city/run --truth "));
   EXPECT_THAT(report, HasSubstr("| mean |"));
-  EXPECT_THAT(first.out, HasSubstr("| city | 10 |"));
+  EXPECT_THAT(first.out, HasSubstr("| city | 7 |"));
   for (const char* name : {"trajectory-city", "scale-city", "trajectory-straight", "scale-straight"}) {
     EXPECT_TRUE(fs::exists(output + "/figures/" + name + ".gp")) << name;
     EXPECT_TRUE(fs::exists(output + "/figures/" + name + ".csv")) << name;
@@ -160,7 +160,7 @@ TEST_F(DrivesExperiment, ADriveThatFailsLeavesTheOthersAlone) {
   EXPECT_EQ(failed.status, 1);
   EXPECT_THAT(failed.err, HasSubstr("can't be decoded as an image"));  // what the step itself says
   EXPECT_THAT(failed.err, HasSubstr("groundscale: drive city: status 2 of: groundscale run "));
-  EXPECT_THAT(text("drives.csv"), HasSubstr("straight,10"));
+  EXPECT_THAT(text("drives.csv"), HasSubstr("straight,7"));
   EXPECT_THAT(text("drives.csv"), Not(HasSubstr("city")));
   EXPECT_THAT(text("drives.md"), HasSubstr("**Not complete:**"));
 }
@@ -170,7 +170,7 @@ TEST_F(DrivesExperiment, AFolderThatIsNotItsOwnIsLeftAlone) {
   const ProgramRun refused = drives(output);
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("isn't from an experiment"));
-  EXPECT_TRUE(fs::exists(output + "/drives/city/drive/image_0/000009.png"));
+  EXPECT_TRUE(fs::exists(output + "/drives/city/drive/image_0/000006.png"));
 }
 
 TEST_F(DrivesExperiment, WithoutGnuplotThereIsEverythingElseAndTheFiguresComeLater) {
