@@ -18,7 +18,7 @@ THIRD_PARTIES = {
     "fmt/": None,
     "opencv2/": {"io", "tracking", "plane", "road", "report", "tests"},
     "yaml-cpp/": {"io"},
-    "nlohmann/": {"io", "odometry", "evaluation"},
+    "nlohmann/": {"io", "odometry", "evaluation", "experiments"},
     "opengv/": {"motion", "mapping"},
     "ceres/": {"plane", "mapping"},
     "embree3/": {"simulation"},

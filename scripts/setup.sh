@@ -9,6 +9,8 @@ packages=(
   # Libraries
   libeigen3-dev libfmt-dev libopencv-dev libceres-dev libopengv-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev
   libembree-dev libtbb-dev
+  # Figures of experiments
+  gnuplot-nox fonts-dejavu-core
   # Tests, benchmarks, checks
   libgtest-dev libgmock-dev libbenchmark-dev clang-format clang-tidy
 )

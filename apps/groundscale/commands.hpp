@@ -22,5 +22,6 @@ void add_run(CLI::App& app, int& exit_status);
 void add_evaluate(CLI::App& app, int& exit_status);
 void add_config(CLI::App& app, int& exit_status);
 void add_simulate(CLI::App& app, int& exit_status);
+void add_experiment(CLI::App& app, int& exit_status);
 
 }  // namespace groundscale

@@ -24,6 +24,7 @@ int run_program(int argc, char** argv) {
   add_run(app, exit_status);
   add_evaluate(app, exit_status);
   add_simulate(app, exit_status);
+  add_experiment(app, exit_status);
   add_config(app, exit_status);
   try {
     app.parse(argc, argv);

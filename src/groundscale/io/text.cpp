@@ -71,6 +71,13 @@ std::string quoted(std::string_view text) {
 
 std::string shortest(double value) { return fmt::format("{}", value); }
 
+std::string csv_text(std::string_view text) {
+  if (text.find_first_of(",\"\n") == std::string_view::npos) return std::string(text);
+  std::string field = "\"";
+  for (const char c : text) field += c == '"' ? "\"\"" : std::string(1, c == '\n' ? ' ' : c);
+  return field + "\"";
+}
+
 Error bad_input(std::string message) { return Error{ErrorCode::kBadInput, std::move(message)}; }
 
 }  // namespace groundscale::internal

@@ -37,6 +37,9 @@ std::string quoted(std::string_view text);
 /// Shortest decimal form that reads back to the same bits; at least one digit, never with a locale's comma.
 std::string shortest(double value);
 
+/// A CSV field: in quotes where it holds a comma, a quote or a line's end, which becomes a blank.
+std::string csv_text(std::string_view text);
+
 Error bad_input(std::string message);
 
 }  // namespace groundscale::internal

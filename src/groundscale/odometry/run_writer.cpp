@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "groundscale/io/text_internal.hpp"
 #include "groundscale/io/trajectory_file.hpp"
 
 namespace groundscale {
@@ -19,14 +20,6 @@ namespace fs = std::filesystem;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::string_view kFiles[] = {"trajectory.kitti", "trajectory.tum", "online.kitti", "online.tum",
                                        "frames.csv",       "summary.json",   "config.yaml"};
-
-/// A CSV field; quoted where it holds a comma or a quote.
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c == '\n' ? ' ' : c);
-  return quoted + "\"";
-}
 
 std::string frames_csv(const std::vector<FrameResult>& results) {
   std::string csv =
@@ -43,7 +36,7 @@ std::string frames_csv(const std::vector<FrameResult>& results) {
                        number(step, r.online_step_m), number(raw, raw_step), number(raw, r.raw_sd * raw_step),
                        number(r.pitch_rad.has_value(), r.pitch_rad.value_or(0.0) / kDegree),
                        number(r.roll_rad.has_value(), r.roll_rad.value_or(0.0) / kDegree), r.matches, r.road_matches,
-                       r.road_inliers, csv_text(r.reason));
+                       r.road_inliers, internal::csv_text(r.reason));
     first = false;
   }
   return csv;

@@ -1,0 +1,106 @@
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "groundscale/experiments/drives.hpp"
+#include "groundscale/experiments/experiment.hpp"
+
+namespace groundscale {
+namespace {
+
+/// Options that every experiment has.
+void add_common(CLI::App& command, ExperimentRequest& request) {
+  command
+      .add_option("--output", request.output, "Folder for all that it writes; one of the same experiment is resumed")
+      ->required();
+  command.add_flag("--force", request.force, "Write into a folder that holds something else; redo what is done");
+  command.add_flag("--quiet", request.quiet, "No progress");
+}
+
+int finish(const Result<ExperimentOutcome>& outcome) {
+  if (!outcome) return report_failure(outcome.error());
+  fmt::print("{}\nreport  {}\n", outcome->table, outcome->report);
+  for (const std::string& problem : outcome->problems) fmt::print(stderr, "groundscale: {}\n", problem);
+  return outcome->problems.empty() ? kDone : kFailedOnTheWay;
+}
+
+/// Before the work: what was typed, and where to say what is being done.
+void prepare(ExperimentRequest& request) {
+  request.command = command_of_this_process();
+  if (request.quiet) return;
+  request.say = [](std::string_view line) { fmt::print(stderr, "{}\n", line); };
+}
+
+void add_drives(CLI::App& parent, int& exit_status) {
+  struct Arguments {
+    ExperimentRequest request;
+    DriveOptions drives;
+    RunSettings settings;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = parent.add_subcommand(kDrivesName, kDrivesSummary);
+  add_common(*command, arguments->request);
+  command
+      ->add_option("--kitti", arguments->drives.kitti,
+                   "Folder with KITTI odometry's poses/NN.txt and times; built-in routes without it")
+      ->option_text("PATH");
+  command
+      ->add_option("--sequences", arguments->drives.sequences,
+                   "Which drives, NAME or NAME:FRAMES (default 06,07,10,00:1501, or all routes)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->option_text("NAME,NAME,...");
+  command->add_option("--frames", arguments->drives.frames, "At most so many frames of each drive")
+      ->check(CLI::Range(2, 1000000));
+  command->add_option("--preset", arguments->drives.preset, "Camera and its place on the vehicle");
+  command->add_option("--seed", arguments->drives.seed, "Of world, vehicle, sensor and run")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", arguments->drives.threads, "For rendering; the images are the same with any number")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--set", arguments->settings.assignments, "KEY=VALUE of the run's configuration")
+      ->expected(1)
+      ->take_all();
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    arguments->settings.seed = arguments->drives.seed;
+    exit_status = finish(run_drives(arguments->drives, arguments->settings, arguments->request));
+  });
+}
+
+/// Every experiment: a function that adds its subcommand.
+constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives};
+
+std::string list_of(const CLI::App& command) {
+  std::string text;
+  for (const CLI::App* experiment : command.get_subcommands([](const CLI::App*) { return true; })) {
+    text += fmt::format("{}{:<12} {}", text.empty() ? "" : "\n", experiment->get_name(), experiment->get_description());
+  }
+  return text;
+}
+
+}  // namespace
+
+void add_experiment(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("experiment", "Tables and figures of how well it works; --list names them");
+  const auto list = std::make_shared<bool>(false);
+  command->add_flag("--list", *list, "Names of all experiments, a line each");
+  command->require_subcommand(0, 1);
+  command->allow_extras();  // for a message that names those there are
+  for (const auto add : kExperiments) add(*command, exit_status);
+  command->callback([command, list, &exit_status] {
+    if (!command->get_subcommands().empty()) return;
+    if (*list && command->remaining().empty()) {
+      fmt::print("{}\n", list_of(*command));
+      return;
+    }
+    const std::string problem = command->remaining().empty()
+                                    ? std::string("the name of an experiment is missing")
+                                    : fmt::format("'{}' is no experiment", command->remaining().front());
+    exit_status = report_failure({ErrorCode::kBadInput, fmt::format("{}, known:\n{}", problem, list_of(*command))});
+  });
+}
+
+}  // namespace groundscale

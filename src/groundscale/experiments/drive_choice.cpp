@@ -1,0 +1,148 @@
+#include "groundscale/experiments/drive_choice.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "groundscale/io/text_internal.hpp"
+#include "groundscale/io/trajectory_file.hpp"
+#include "groundscale/simulation/drive_simulation.hpp"
+#include "groundscale/simulation/route.hpp"
+
+namespace groundscale {
+namespace {
+
+namespace fs = std::filesystem;
+using internal::bad_input;
+
+constexpr int kMinFrames = 2;
+
+/// A sequence and how much of it.
+struct Wanted {
+  std::string name;
+  int frames = std::numeric_limits<int>::max();
+};
+
+Result<Wanted> parse_wanted(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  Wanted wanted{.name = text.substr(0, colon)};
+  if (colon != std::string::npos) {
+    const auto frames = internal::parse_integer(std::string_view(text).substr(colon + 1));
+    if (!frames || *frames < kMinFrames || *frames > wanted.frames) {
+      return bad_input(
+          fmt::format("--sequences {}: after ':' there must be a number of frames, at least {}", text, kMinFrames));
+    }
+    wanted.frames = static_cast<int>(*frames);
+  }
+  if (wanted.name.empty() || wanted.name.find('/') != std::string::npos || wanted.name.starts_with('.')) {
+    return bad_input(fmt::format("--sequences {}: is no name of a sequence", internal::quoted(text)));
+  }
+  return wanted;
+}
+
+std::vector<std::string> default_names(bool kitti) {
+  if (kitti) return {"06", "07", "10", "00:1501"};
+  std::vector<std::string> names;
+  for (const std::string_view route : route_names()) names.emplace_back(route);
+  return names;
+}
+
+Result<std::vector<Wanted>> wanted_drives(const DriveOptions& options) {
+  std::vector<Wanted> all;
+  for (const std::string& text :
+       options.sequences.empty() ? default_names(!options.kitti.empty()) : options.sequences) {
+    auto wanted = parse_wanted(text);
+    if (!wanted) return wanted.error();
+    if (options.frames) wanted->frames = std::min(wanted->frames, *options.frames);
+    const auto same = [&](const Wanted& other) { return other.name == wanted->name; };
+    if (std::any_of(all.begin(), all.end(), same)) {
+      return bad_input(fmt::format("--sequences: '{}' is there twice", wanted->name));
+    }
+    all.push_back(std::move(*wanted));
+  }
+  return all;
+}
+
+/// Names of the sequences whose poses lie in a folder.
+std::vector<std::string> sequences_in(const fs::path& poses) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry(poses, error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->path().extension() == ".txt") names.push_back(entry->path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Result<DriveChoice> along_poses(const Wanted& wanted, const fs::path& kitti) {
+  const std::vector<std::string> known = sequences_in(kitti / "poses");
+  if (known.empty()) {
+    return bad_input(fmt::format("--kitti {}: holds no poses/NN.txt (KITTI odometry's ground truth)", kitti.string()));
+  }
+  if (std::find(known.begin(), known.end(), wanted.name) == known.end()) {
+    std::string list;
+    for (const std::string& name : known) list.append(list.empty() ? "" : ", ").append(name);
+    return bad_input(
+        fmt::format("'{}' is no sequence of --kitti {}, there are: {}", wanted.name, kitti.string(), list));
+  }
+  DriveChoice drive;
+  drive.name = wanted.name;
+  drive.poses = (kitti / "poses" / (wanted.name + ".txt")).string();
+  const auto trajectory = read_trajectory(drive.poses);
+  if (!trajectory) return trajectory.error();
+  if (trajectory->size() < kMinFrames) {
+    return bad_input(fmt::format("{}: {} poses, at least {} are needed", drive.poses, trajectory->size(), kMinFrames));
+  }
+  drive.frames = std::min(wanted.frames, static_cast<int>(trajectory->size()));
+  std::error_code ignored;
+  for (const fs::path& times :
+       {kitti / "times" / (wanted.name + ".txt"), kitti / "sequences" / wanted.name / "times.txt"}) {
+    if (drive.times.empty() && fs::is_regular_file(times, ignored)) drive.times = times.string();
+  }
+  return drive;
+}
+
+Result<DriveChoice> along_route(const Wanted& wanted, double rate_hz) {
+  const auto route = find_route(wanted.name);
+  if (!route) return route.error();
+  const auto frames = static_cast<int>(drive(*route, rate_hz, {}).size());
+  DriveChoice choice;
+  choice.name = choice.route = wanted.name;
+  choice.frames = std::min(wanted.frames, frames);
+  return choice;
+}
+
+}  // namespace
+
+Result<std::vector<DriveChoice>> choose_drives(const DriveOptions& options) {
+  const auto camera = find_camera_preset(options.preset);
+  if (!camera) return camera.error();
+  const auto all = wanted_drives(options);
+  if (!all) return all.error();
+  std::vector<DriveChoice> drives;
+  for (const Wanted& wanted : *all) {
+    auto drive = options.kitti.empty() ? along_route(wanted, camera->rate_hz) : along_poses(wanted, options.kitti);
+    if (!drive) return drive.error();
+    drives.push_back(std::move(*drive));
+  }
+  return drives;
+}
+
+std::vector<std::string> simulate_arguments(const DriveChoice& drive, const DriveOptions& options) {
+  std::vector<std::string> arguments = {"simulate"};
+  const auto add = [&arguments](const char* option, const std::string& value) {
+    if (!value.empty()) arguments.insert(arguments.end(), {option, value});
+  };
+  add("--route", drive.route);
+  add("--trajectory", drive.poses);
+  add("--times", drive.times);
+  add("--preset", options.preset);
+  add("--frames", fmt::to_string(drive.frames));
+  if (options.seed) add("--seed", fmt::to_string(*options.seed));
+  return arguments;
+}
+
+}  // namespace groundscale

@@ -1,0 +1,42 @@
+#include "groundscale/experiments/simulated_drive.hpp"
+
+#include <fmt/format.h>
+
+#include "groundscale/experiments/work_unit.hpp"
+
+namespace groundscale {
+namespace {
+
+/// Pose and time files by what is in them, not by where they lie.
+Result<std::string> key_of(DriveChoice drive, const DriveOptions& options) {
+  for (std::string* file : {&drive.poses, &drive.times}) {
+    if (file->empty()) continue;
+    const auto digest = file_digest(*file);
+    if (!digest) return digest.error();
+    *file = *digest;
+  }
+  return fmt::format("{}\n{}\n", program_version(), shell_line(simulate_arguments(drive, options)));
+}
+
+}  // namespace
+
+Result<SimulatedDrive> obtain_drive(const DriveChoice& drive, const DriveOptions& options, const std::string& folder,
+                                    const ExperimentRequest& request) {
+  const auto key = key_of(drive, options);
+  if (!key) return key.error();
+  std::vector<std::string> arguments = simulate_arguments(drive, options);
+  arguments.insert(arguments.begin() + 1, {"--output", folder});
+  const SimulatedDrive simulated{drive.name, folder, *key, step_command(arguments)};
+
+  if (options.threads > 0) arguments.insert(arguments.end(), {"--threads", fmt::to_string(options.threads)});
+  if (request.quiet) arguments.emplace_back("--quiet");
+  const auto rendered = WorkUnit(folder, *key).complete(request.force, [&]() -> Result<void> {
+    request.say(fmt::format("{}: rendering {} frames", drive.name, drive.frames));
+    const auto step = run_step(request, arguments);
+    return step ? Result<void>() : step.error();
+  });
+  if (!rendered) return rendered.error();
+  return simulated;
+}
+
+}  // namespace groundscale

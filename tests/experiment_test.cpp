@@ -1,0 +1,266 @@
+// groundscale experiment: what it writes, that it goes on where it was, and what it refuses.
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "groundscale/experiments/plot.hpp"
+#include "program.hpp"
+
+namespace groundscale {
+namespace {
+
+namespace fs = std::filesystem;
+using internal::TempFolder;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+using Words = std::vector<std::string>;
+
+ProgramRun drives(const std::string& output, const Words& more = {}) {
+  Words arguments = {"experiment", "drives",   "--output", output,        "--preset",
+                     "small",      "--frames", "7",        "--sequences", "straight,city"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return run_program(arguments);
+}
+
+/// Columns of a CSV file without quotes, by their names.
+std::map<std::string, Words> columns_of(const std::string& path) {
+  std::istringstream lines(*read_text(path));
+  std::map<std::string, Words> columns;
+  Words names;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream cells(line);
+    const bool heading = names.empty();
+    std::size_t k = 0;
+    for (std::string cell; std::getline(cells, cell, ','); ++k) {
+      if (heading) names.push_back(cell);
+      if (!heading) columns[names.at(k)].push_back(cell);
+    }
+  }
+  return columns;
+}
+
+double median_of(const Words& words) {
+  std::vector<double> values;
+  for (const std::string& word : words) {
+    if (!word.empty()) values.push_back(std::stod(word));
+  }
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+/// One finished experiment for all tests; each works on a copy.
+class DrivesExperiment : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    original = std::make_unique<TempFolder>();
+    first = drives(*original / "out");
+  }
+  static void TearDownTestSuite() { original.reset(); }
+  void SetUp() override {
+    ASSERT_EQ(first.status, gnuplot_is_there() ? 0 : 1) << first.err;
+    fs::copy(*original / "out", output, fs::copy_options::recursive);
+  }
+  std::string text(const std::string& name) const { return read_text(output + "/" + name).value(); }
+  void write(const std::string& name, const std::string& content) const {
+    ASSERT_TRUE(write_text(output + "/" + name, content));
+  }
+
+  static inline std::unique_ptr<TempFolder> original;
+  static inline ProgramRun first;
+  TempFolder folder;
+  std::string output = folder / "out";
+};
+
+TEST_F(DrivesExperiment, WritesTableReportFiguresAndEachCommand) {
+  const auto columns = columns_of(output + "/drives.csv");
+  EXPECT_THAT(columns.at("drive"), testing::ElementsAre("straight", "city"));
+  EXPECT_THAT(columns.at("frames"), testing::ElementsAre("7", "7"));
+  for (const char* name : {"length_m", "raw_scale_bias", "raw_scale_spread", "scale_bias", "scale_spread",
+                           "raw_scale_bias_straight", "coverage", "median_ms", "peak_memory_mb"}) {
+    for (const std::string& cell : columns.at(name)) EXPECT_NO_THROW(std::ignore = std::stod(cell)) << name;
+  }
+  const std::string report = text("drives.md");
+  EXPECT_THAT(report, HasSubstr("groundscale experiment drives --output "));
+  EXPECT_THAT(report, HasSubstr("groundscale simulate --output "));
+  EXPECT_THAT(report, HasSubstr("drives/city/run --truth "));
+  EXPECT_THAT(report, HasSubstr("| mean |"));
+  EXPECT_THAT(first.out, HasSubstr("| city | 7 |"));
+  for (const char* name : {"trajectory-city", "scale-city", "trajectory-straight", "scale-straight"}) {
+    EXPECT_TRUE(fs::exists(output + "/figures/" + name + ".gp")) << name;
+    EXPECT_TRUE(fs::exists(output + "/figures/" + name + ".csv")) << name;
+    if (!gnuplot_is_there()) continue;
+    EXPECT_TRUE(fs::exists(output + "/figures/" + name + ".svg")) << name;
+    EXPECT_TRUE(fs::exists(output + "/figures/" + name + ".png")) << name;
+  }
+}
+
+TEST_F(DrivesExperiment, FiguresOfScaleAreThoseOfTheSteps) {
+  const auto steps = columns_of(output + "/figures/scale-straight.csv");
+  const auto figures = columns_of(output + "/drives.csv");
+  // Rounding of both files alone lies between them.
+  EXPECT_NEAR(100.0 * (median_of(steps.at("raw_straight")) - 1.0), std::stod(figures.at("raw_scale_bias")[0]), 1e-9);
+  EXPECT_NEAR(100.0 * (median_of(steps.at("final")) - 1.0), std::stod(figures.at("scale_bias")[0]), 1e-9);
+}
+
+TEST_F(DrivesExperiment, ResumedDoesNothingAgainAndWritesTheSameBytes) {
+  write("drives/city/run/online.tum", "marked");
+  write("drives/city/drive/image_0/000003.png", "marked");
+  const std::string table = text("drives.csv");
+  const ProgramRun again = drives(output);
+  EXPECT_EQ(again.status, first.status) << again.err;
+  EXPECT_THAT(again.err, Not(HasSubstr("rendering")));
+  EXPECT_THAT(again.err, Not(HasSubstr("running")));
+  EXPECT_EQ(text("drives/city/run/online.tum"), "marked");
+  EXPECT_EQ(text("drives/city/drive/image_0/000003.png"), "marked");
+  EXPECT_EQ(text("drives.csv"), table);
+  const std::string report = text("drives.md");
+  ASSERT_EQ(drives(output).status, first.status);
+  EXPECT_EQ(text("drives.md"), report);
+}
+
+TEST_F(DrivesExperiment, AnotherSettingRunsAgainOnTheSameDrives) {
+  const std::string before = text("drives/city/run/frames.csv");
+  const ProgramRun changed = drives(output, {"--set", "road.region.far_m=15"});
+  EXPECT_EQ(changed.status, first.status) << changed.err;
+  EXPECT_THAT(changed.err, Not(HasSubstr("rendering")));
+  EXPECT_THAT(changed.err, HasSubstr("straight: running"));
+  EXPECT_THAT(changed.err, HasSubstr("city: running"));
+  EXPECT_NE(text("drives/city/run/frames.csv"), before);
+}
+
+TEST_F(DrivesExperiment, WhatWasInterruptedIsDoneAgainTheRestIsNot) {
+  std::string key = text("drives/city/run.key");
+  ASSERT_TRUE(key.starts_with("done\n"));
+  write("drives/city/run.key", "begun\n" + key.substr(5));
+  fs::remove(output + "/drives/city/run/summary.json");
+  const ProgramRun again = drives(output);
+  EXPECT_EQ(again.status, first.status) << again.err;
+  EXPECT_THAT(again.err, Not(HasSubstr("straight: running")));
+  EXPECT_THAT(again.err, HasSubstr("city: running"));
+  EXPECT_TRUE(fs::exists(output + "/drives/city/run/summary.json"));
+}
+
+TEST_F(DrivesExperiment, ADriveThatFailsLeavesTheOthersAlone) {
+  write("drives/city/drive/image_0/000000.png", "no image");
+  const ProgramRun failed = drives(output, {"--set", "road.region.far_m=15"});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_THAT(failed.err, HasSubstr("can't be decoded as an image"));  // what the step itself says
+  EXPECT_THAT(failed.err, HasSubstr("groundscale: drive city: status 2 of: groundscale run "));
+  EXPECT_THAT(text("drives.csv"), HasSubstr("straight,7"));
+  EXPECT_THAT(text("drives.csv"), Not(HasSubstr("city")));
+  EXPECT_THAT(text("drives.md"), HasSubstr("**Not complete:**"));
+}
+
+TEST_F(DrivesExperiment, AFolderThatIsNotItsOwnIsLeftAlone) {
+  fs::remove(output + "/drives/city/drive.key");
+  const ProgramRun refused = drives(output);
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("isn't from an experiment"));
+  EXPECT_TRUE(fs::exists(output + "/drives/city/drive/image_0/000006.png"));
+}
+
+TEST_F(DrivesExperiment, WithoutGnuplotThereIsEverythingElseAndTheFiguresComeLater) {
+  fs::remove_all(output + "/figures");
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", "/nonexistent", 1);
+  const ProgramRun without = drives(output);
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(without.status, 1);
+  EXPECT_THAT(without.err, HasSubstr("gnuplot can't be run"));
+  EXPECT_THAT(without.err, HasSubstr("gnuplot-nox"));
+  EXPECT_TRUE(fs::exists(output + "/figures/scale-city.csv"));
+  EXPECT_FALSE(fs::exists(output + "/figures/scale-city.svg"));
+  EXPECT_THAT(text("drives.md"), HasSubstr("not drawn"));
+  if (!gnuplot_is_there()) return;
+  const ProgramRun with = drives(output);
+  EXPECT_EQ(with.status, 0) << with.err;
+  EXPECT_THAT(with.err, Not(HasSubstr("running")));
+  EXPECT_TRUE(fs::exists(output + "/figures/scale-city.svg"));
+}
+
+TEST(Experiment, ListNamesAll) {
+  const ProgramRun list = run_program({"experiment", "--list"});
+  EXPECT_EQ(list.status, 0);
+  EXPECT_THAT(list.out, HasSubstr("drives "));
+  EXPECT_THAT(list.err, IsEmpty());
+}
+
+/// Wrong use, in a row of docs/bad-input.md.
+struct Refused {
+  std::string name;
+  Words arguments;  ///< "OUT" stands for the output folder, "FOLDER" for the one around it.
+  std::string message;
+};
+
+std::ostream& operator<<(std::ostream& stream, const Refused& row) { return stream << row.name; }
+
+class ExperimentRefuses : public testing::TestWithParam<Refused> {};
+
+TEST_P(ExperimentRefuses, WithAMessageAndWritesNothing) {
+  const TempFolder folder;
+  folder.file("own/words.txt", "precious");
+  folder.file("other/experiment.txt", "groundscale experiment timing\n");
+  folder.file("kitti/poses/00.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n");
+  Words arguments = {"experiment"};
+  for (std::string word : GetParam().arguments) {
+    if (word.starts_with("FOLDER")) word = folder / word.substr(std::min<std::size_t>(word.size(), 7));
+    arguments.push_back(word == "OUT" ? folder / "out" : word);
+  }
+  const ProgramRun refused = run_program(arguments);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr(GetParam().message));
+  EXPECT_THAT(refused.out, IsEmpty());
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  EXPECT_FALSE(fs::exists(folder / "own/experiment.txt"));
+  EXPECT_EQ(*read_text(folder / "own/words.txt"), "precious");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Rows, ExperimentRefuses,
+    testing::ValuesIn(std::vector<Refused>{
+        {"unknown experiment", {"circles", "--output", "OUT"}, "'circles' is no experiment, known:\ndrives "},
+        {"no experiment", {}, "the name of an experiment is missing, known:\ndrives "},
+        {"no output", {"drives"}, "--output is required"},
+        {"unknown route", {"drives", "--output", "OUT", "--sequences", "circle"}, "'circle' is no route, known: city"},
+        {"unknown sequence",
+         {"drives", "--output", "OUT", "--kitti", "FOLDER/kitti", "--sequences", "42"},
+         "there are: 00"},
+        {"default sequence missing",
+         {"drives", "--output", "OUT", "--kitti", "FOLDER/kitti"},
+         "'06' is no sequence of"},
+        {"no poses", {"drives", "--output", "OUT", "--kitti", "FOLDER/own"}, "holds no poses/NN.txt"},
+        {"sequence twice", {"drives", "--output", "OUT", "--sequences", "city,city:5"}, "'city' is there twice"},
+        {"no number of frames",
+         {"drives", "--output", "OUT", "--sequences", "city:few"},
+         "after ':' there must be a number of frames, at least 2"},
+        {"unknown preset", {"drives", "--output", "OUT", "--preset", "large"}, "'large' is no preset, known: kitti"},
+        {"unknown key",
+         {"drives", "--output", "OUT", "--set", "ground.metod=sparse"},
+         "ground.metod: unknown key, the nearest is 'ground.method'"},
+        {"output of one's own", {"drives", "--output", "FOLDER/own"}, "exists and isn't empty; --force overwrites it"},
+        {"output of another experiment",
+         {"drives", "--output", "FOLDER/other"},
+         "holds the experiment 'timing'; --force overwrites it"},
+    }),
+    [](const auto& row) {
+      std::string name = row.param.name;
+      std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
+      return name;
+    });
+
+}  // namespace
+}  // namespace groundscale
