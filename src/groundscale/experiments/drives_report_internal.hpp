@@ -7,7 +7,7 @@
 #include "groundscale/experiments/experiment.hpp"
 #include "groundscale/experiments/measured_run.hpp"
 #include "groundscale/experiments/plot.hpp"
-#include "groundscale/experiments/simulated_drive.hpp"
+#include "groundscale/experiments/rendered_drive.hpp"
 #include "groundscale/experiments/table.hpp"
 
 namespace groundscale::internal {
@@ -15,7 +15,7 @@ namespace groundscale::internal {
 /// A drive that was simulated, run and evaluated.
 struct FinishedDrive {
   std::string name;
-  SimulatedDrive drive;
+  RenderedDrive drive;
   MeasuredRun run;
 };
 

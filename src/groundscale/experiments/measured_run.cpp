@@ -27,7 +27,7 @@ std::vector<std::string> run_arguments(const RunSettings& settings) {
   return arguments;
 }
 
-std::vector<std::string> evaluate_arguments(const SimulatedDrive& drive, const std::string& folder) {
+std::vector<std::string> evaluate_arguments(const RenderedDrive& drive, const std::string& folder) {
   return {"evaluate", folder, "--truth", drive.truth(), "--json", folder + kEvaluationFile};
 }
 
@@ -106,7 +106,7 @@ std::optional<double> MeasuredRun::figure(const std::string& name) const {
   return found == figures.end() ? std::nullopt : found->second;
 }
 
-Result<MeasuredRun> measure_run(const SimulatedDrive& drive, const RunSettings& settings, const std::string& folder,
+Result<MeasuredRun> measure_run(const RenderedDrive& drive, const RunSettings& settings, const std::string& folder,
                                 const ExperimentRequest& request) {
   std::vector<std::string> arguments = run_arguments(settings);
   const std::string deciding = shell_line(arguments);

@@ -7,7 +7,7 @@
 
 #include "groundscale/core/result.hpp"
 #include "groundscale/experiments/experiment.hpp"
-#include "groundscale/experiments/simulated_drive.hpp"
+#include "groundscale/experiments/rendered_drive.hpp"
 
 namespace groundscale {
 
@@ -42,7 +42,7 @@ struct MeasuredRun {
 /// Runs the odometry on a drive into `folder`, compares it with the drive's truth, and keeps what it took. Done once
 /// while the drive, the settings and the program (version and bytes) stay the same.
 /// @return as run_step; kIo where a kept result can't be read.
-Result<MeasuredRun> measure_run(const SimulatedDrive& drive, const RunSettings& settings, const std::string& folder,
+Result<MeasuredRun> measure_run(const RenderedDrive& drive, const RunSettings& settings, const std::string& folder,
                                 const ExperimentRequest& request);
 
 }  // namespace groundscale

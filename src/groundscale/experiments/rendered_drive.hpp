@@ -9,7 +9,7 @@
 namespace groundscale {
 
 /// A rendered drive with its truth, as `groundscale simulate` writes it.
-struct SimulatedDrive {
+struct RenderedDrive {
   std::string name;
   std::string folder;
   std::string key;      ///< All that made it; for the keys of what is made from it.
@@ -22,7 +22,7 @@ struct SimulatedDrive {
 /// arguments and the content of the pose and time files stay the same.
 /// @return kIo where rendering fails, which has said why on the standard error; kBadInput where `folder` is somebody
 /// else's.
-Result<SimulatedDrive> obtain_drive(const DriveChoice& drive, const DriveOptions& options, const std::string& folder,
+Result<RenderedDrive> obtain_drive(const DriveChoice& drive, const DriveOptions& options, const std::string& folder,
                                     const ExperimentRequest& request);
 
 }  // namespace groundscale

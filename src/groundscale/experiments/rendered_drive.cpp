@@ -1,8 +1,9 @@
-#include "groundscale/experiments/simulated_drive.hpp"
+#include "groundscale/experiments/rendered_drive.hpp"
 
 #include <fmt/format.h>
 
 #include "groundscale/experiments/work_unit.hpp"
+#include "groundscale/simulation/world.hpp"
 
 namespace groundscale {
 namespace {
@@ -15,18 +16,18 @@ Result<std::string> key_of(DriveChoice drive, const DriveOptions& options) {
     if (!digest) return digest.error();
     *file = *digest;
   }
-  return fmt::format("{}\n{}\n", program_version(), shell_line(simulate_arguments(drive, options)));
+  return fmt::format("{}, world {}\n{}\n", program_version(), kWorldVersion, shell_line(simulate_arguments(drive, options)));
 }
 
 }  // namespace
 
-Result<SimulatedDrive> obtain_drive(const DriveChoice& drive, const DriveOptions& options, const std::string& folder,
+Result<RenderedDrive> obtain_drive(const DriveChoice& drive, const DriveOptions& options, const std::string& folder,
                                     const ExperimentRequest& request) {
   const auto key = key_of(drive, options);
   if (!key) return key.error();
   std::vector<std::string> arguments = simulate_arguments(drive, options);
   arguments.insert(arguments.begin() + 1, {"--output", folder});
-  const SimulatedDrive simulated{drive.name, folder, *key, step_command(arguments)};
+  const RenderedDrive rendered_drive{drive.name, folder, *key, step_command(arguments)};
 
   if (options.threads > 0) arguments.insert(arguments.end(), {"--threads", fmt::to_string(options.threads)});
   if (request.quiet) arguments.emplace_back("--quiet");
@@ -36,7 +37,7 @@ Result<SimulatedDrive> obtain_drive(const DriveChoice& drive, const DriveOptions
     return step ? Result<void>() : step.error();
   });
   if (!rendered) return rendered.error();
-  return simulated;
+  return rendered_drive;
 }
 
 }  // namespace groundscale
