@@ -42,9 +42,14 @@ struct FrameResult {
   std::optional<double> raw_over_online;
   double raw_sd = 0.0;  ///< Of the log of the measurement.
   std::optional<double> pitch_rad, roll_rad;
-  int matches = 0;
-  int road_matches = 0;
+  int tracks = 0;        ///< In this frame; of them
+  int tracks_kept = 0;   ///< followed from the frame before.
+  int matches = 0;       ///< With the partner,
+  int inliers = 0;       ///< and those that fit the motion,
+  double rms_px = 0.0;   ///< by their epipolar error.
+  int road_matches = 0;  ///< The same for the road and its plane, by their transfer error.
   int road_inliers = 0;
+  double road_rms_px = 0.0;
 
   bool accepted() const { return raw_over_online.has_value() && reason.empty(); }
 };

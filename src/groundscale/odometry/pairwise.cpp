@@ -93,6 +93,8 @@ const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& ro
   if (frame.image.empty()) return bridge(std::move(result), frame.problem, frame);
 
   tracker_.advance(Pyramid(frame.image, options_.tracking.klt.levels, options_.tracking.klt.window_px), tracking_mask_);
+  result.tracks = static_cast<int>(tracker_.points().size());
+  result.tracks_kept = tracker_.followed();
   clock_.lap("tracking");
   if (views_.empty()) {
     result.state = FrameState::kStill;
@@ -106,6 +108,8 @@ const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& ro
   if (pair.motion.state != MotionState::kStill) {
     pair.motion = estimate_motion(pair.rays, camera_->focal_px(), options_.motion, rng_, last_motion_);
   }
+  result.inliers = static_cast<int>(pair.motion.inliers.size());
+  result.rms_px = pair.motion.rms_px;
   clock_.lap("motion");
   details_.matches = pair.matches;
   details_.pairs = pair.rays;

@@ -113,6 +113,7 @@ std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const P
     return std::nullopt;
   }
   result.road_inliers = static_cast<int>(plane->inliers.size());
+  result.road_rms_px = plane->rms_px;
   details_.road_inliers = plane->inliers;
 
   const PlaneAngles in_partner = plane_angles(plane->plane.normal_in_cam);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "groundscale/estimation/robust.hpp"
 #include "groundscale/io/text_internal.hpp"
 #include "groundscale/io/trajectory_file.hpp"
 
@@ -60,6 +61,14 @@ std::string summary_json(const RunSummary& s) {
   json["states"] = {
       {"moving", s.moving}, {"still", s.still}, {"rotating", s.rotating}, {"bridged", s.bridged}, {"lost", s.lost}};
   json["accepted_measurements"] = s.accepted;
+  const MatchingFigures& m = s.matching;
+  json["matching"] = {{"track_length_frames", m.track_length},
+                      {"matches", m.matches},
+                      {"inlier_ratio", m.inlier_ratio},
+                      {"rms_px", m.rms_px},
+                      {"road_matches", m.road_matches},
+                      {"road_inlier_ratio", m.road_inlier_ratio},
+                      {"road_rms_px", m.road_rms_px}};
   json["first_scaled_frame"] = nullptr;
   if (s.first_scaled_frame) json["first_scaled_frame"] = *s.first_scaled_frame;
   json["warnings"] = s.warnings;
@@ -67,6 +76,35 @@ std::string summary_json(const RunSummary& s) {
   for (const auto& [stage, ms] : s.stage_ms) json["time"]["mean_ms_a_frame"][stage] = ms;
   // Names of files may hold bytes that are no UTF-8.
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+MatchingFigures matching_figures(const std::vector<FrameResult>& results) {
+  std::vector<double> matches, inlier_ratio, rms_px, road_matches, road_inlier_ratio, road_rms_px;
+  double seen = 0.0;
+  double begun = 0.0;
+  for (const FrameResult& r : results) {
+    seen += r.tracks;
+    begun += r.tracks - r.tracks_kept;
+    if (r.state != FrameState::kMoving || r.matches == 0) continue;
+    matches.push_back(r.matches);
+    inlier_ratio.push_back(static_cast<double>(r.inliers) / r.matches);
+    rms_px.push_back(r.rms_px);
+    if (r.road_matches == 0 || r.road_inliers == 0) continue;
+    road_matches.push_back(r.road_matches);
+    road_inlier_ratio.push_back(static_cast<double>(r.road_inliers) / r.road_matches);
+    road_rms_px.push_back(r.road_rms_px);
+  }
+  MatchingFigures figures;
+  figures.track_length = begun > 0.0 ? seen / begun : 0.0;
+  if (matches.empty()) return figures;
+  figures.matches = median(matches);
+  figures.inlier_ratio = median(inlier_ratio);
+  figures.rms_px = median(rms_px);
+  if (road_matches.empty()) return figures;
+  figures.road_matches = median(road_matches);
+  figures.road_inlier_ratio = median(road_inlier_ratio);
+  figures.road_rms_px = median(road_rms_px);
+  return figures;
 }
 
 }  // namespace
@@ -98,6 +136,7 @@ void add_figures(const PairwiseOdometry& odometry, RunSummary& summary) {
     }
     if (odometry.scaled()) summary.length_m += result.step_m;
   }
+  summary.matching = matching_figures(odometry.results());
 }
 
 Result<RunWriter> RunWriter::create(const std::string& folder, bool force) {

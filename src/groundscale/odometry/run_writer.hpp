@@ -12,6 +12,17 @@
 
 namespace groundscale {
 
+/// How well points were followed and matched, over the moving frames of a run.
+struct MatchingFigures {
+  double track_length = 0.0;  ///< Mean number of frames that a point is seen in.
+  double matches = 0.0;       ///< Medians over frames:
+  double inlier_ratio = 0.0;
+  double rms_px = 0.0;  ///< Epipolar error of inliers.
+  double road_matches = 0.0;
+  double road_inlier_ratio = 0.0;
+  double road_rms_px = 0.0;  ///< Transfer error of inliers.
+};
+
 /// What a run was made of and what came of it, for summary.json and the table at the end.
 struct RunSummary {
   std::string source;
@@ -27,6 +38,7 @@ struct RunSummary {
 
   int moving = 0, still = 0, rotating = 0, bridged = 0, lost = 0;
   int accepted = 0;  ///< Frames with an accepted measurement.
+  MatchingFigures matching;
   double length_m = 0.0;
   std::optional<int> first_scaled_frame;
 
