@@ -68,7 +68,7 @@ CameraPreset campus() {
 CameraPreset small() {
   CameraPreset preset;
   preset.camera = pinhole({.fx = 300.0, .fy = 300.0, .cx = 239.5, .cy = 60.0}, 480, 200);
-  preset.options.edge_samples = 2;
+  preset.options.edge_rays = 0;
   return preset;
 }
 

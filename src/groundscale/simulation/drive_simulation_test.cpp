@@ -18,6 +18,7 @@ CameraPreset small_camera() {
   camera.options.shutter_ms = 0.0;
   camera.options.world = WorldOptions::bare();
   camera.options.world.profile.crown = 0.0;
+  camera.options.world.profile.roughness_m = 0.0;
   return camera;
 }
 
@@ -102,8 +103,8 @@ TEST(Render, IsTheSameWithAnyNumberOfThreads) {
   const CameraPreset preset = find_camera_preset("small").value();
   const SimulatedDrive drive = drive_along(find_route("city").value(), preset, 1);
   const Shutter& shutter = drive.moments[1].shutter;
-  const Radiance one = Renderer(drive.world, preset.camera, {.edge_samples = 4, .threads = 1}).render(shutter);
-  EXPECT_EQ(Renderer(drive.world, preset.camera, {.edge_samples = 4, .threads = 3}).render(shutter).values, one.values);
+  const Radiance one = Renderer(drive.world, preset.camera, {.edge_rays = 8, .threads = 1}).render(shutter);
+  EXPECT_EQ(Renderer(drive.world, preset.camera, {.edge_rays = 8, .threads = 3}).render(shutter).values, one.values);
 }
 
 TEST(Render, DepthAndRoadMaskAgreeWithTheTruth) {

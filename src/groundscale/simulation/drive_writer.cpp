@@ -56,10 +56,12 @@ class DriveImages {
  public:
   DriveImages(const SimulatedDrive& drive, const std::string& cache_folder, int threads)
       : drive_(drive),
-        renderer_(drive.world, drive.camera.camera,
-                  {.edge_samples = drive.camera.options.edge_samples, .threads = threads}),
+        renderer_(drive.world, drive.camera.camera, {.edge_rays = drive.camera.options.edge_rays, .threads = threads}),
         exposure_(drive.camera.options.sensor) {
     if (!cache_folder.empty()) kept_ = cache_folder + "/" + drive_key(drive);
+    if (drive.camera.options.traffic.on) {
+      traffic_.emplace(drive.world.surface, states_of(drive.moments), drive.camera.options.traffic, drive.seed);
+    }
   }
 
   /// Bytes of a PNG.
@@ -67,7 +69,8 @@ class DriveImages {
     if (!kept_.empty()) {
       if (auto bytes = read_text(kept_ + "/" + image_name(frame)); bytes) return bytes;
     }
-    const Radiance light = renderer_.render(drive_.moments[frame].shutter);
+    const auto moving = moving_at(frame);
+    const Radiance light = renderer_.render(drive_.moments[frame].shutter, pointer(moving));
     // A generator of its own for each frame, so that none depends on which were rendered before.
     Rng rng(drive_.seed + 0x9e3779b97f4a7c15ULL * (frame + 1));
     auto bytes = encode_image(expose(light, gain(frame), drive_.camera.options.sensor, rng), ".png");
@@ -77,20 +80,38 @@ class DriveImages {
 
   Result<std::string> depth(std::size_t frame) const {
     const Camera& camera = *drive_.camera.camera;
-    return encode_depth(renderer_.depth(drive_.moments[frame].world_from_cam), camera.width(), camera.height());
+    const auto moving = moving_at(frame);
+    const auto depths = renderer_.depth(drive_.moments[frame].world_from_cam, pointer(moving));
+    return encode_depth(depths, camera.width(), camera.height());
   }
 
   Result<std::string> road_mask(std::size_t frame) const {
-    return encode_image(renderer_.road_mask(drive_.moments[frame].world_from_cam), ".png");
+    const auto moving = moving_at(frame);
+    return encode_image(renderer_.road_mask(drive_.moments[frame].world_from_cam, pointer(moving)), ".png");
   }
 
  private:
+  static std::vector<VehicleState> states_of(const std::vector<CameraMoment>& moments) {
+    std::vector<VehicleState> states;
+    for (const CameraMoment& moment : moments) {
+      states.push_back({moment.time_s, moment.distance_m, moment.speed_mps, 0.0});
+    }
+    return states;
+  }
+
+  std::optional<RayScene> moving_at(std::size_t frame) const {
+    if (!traffic_) return std::nullopt;
+    return RayScene(traffic_->at(drive_.moments[frame].time_s));
+  }
+  static const RayScene* pointer(const std::optional<RayScene>& scene) { return scene ? &*scene : nullptr; }
+
   /// The exposure depends on all frames before.
   double gain(std::size_t frame) {
     for (; metered_ <= frame; ++metered_) {
       const CameraMoment& moment = drive_.moments[metered_];
       const double dt_s = metered_ == 0 ? 0.0 : moment.time_s - drive_.moments[metered_ - 1].time_s;
-      gain_ = exposure_.follow(renderer_.mean_light(moment.shutter), dt_s);
+      const auto moving = moving_at(metered_);
+      gain_ = exposure_.follow(renderer_.mean_light(moment.shutter, pointer(moving)), dt_s);
     }
     return gain_;
   }
@@ -106,6 +127,7 @@ class DriveImages {
   const SimulatedDrive& drive_;
   Renderer renderer_;
   Exposure exposure_;
+  std::optional<Traffic> traffic_;
   std::string kept_;  ///< Folder; empty: nothing is kept.
   std::size_t metered_ = 0;
   double gain_ = 0.0;

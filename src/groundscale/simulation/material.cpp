@@ -34,7 +34,7 @@ double patch(double along, double across, const RoadLook& road, std::uint64_t se
   const double width = road.profile.half_width_m;
   const auto column = static_cast<std::int64_t>(std::floor(along / kCellM));
   const auto row = static_cast<std::int64_t>(std::floor(across / width));
-  Rng rng(seed ^ (static_cast<std::uint64_t>(column) * 0x9e3779b97f4a7c15ULL) ^ static_cast<std::uint64_t>(row + 8));
+  Rng rng(cell_seed(column, row, seed));
   // Rectangles fill a third of their cell on average.
   constexpr double kFilled = 0.33;
   if (rng.uniform() * kFilled > road.asphalt.patches_share) return 0.0;
@@ -48,22 +48,27 @@ double patch(double along, double across, const RoadLook& road, std::uint64_t se
   return x >= 0.0 && x <= length && y >= 0.0 && y <= breadth ? tint : 0.0;
 }
 
-/// Dark where two smooth fields' zero line runs: cracks.
-double crack(double along, double across, double footprint, std::uint64_t seed) {
-  constexpr double kSpacingM = 2.5;
-  constexpr double kWidthM = 0.012;
-  constexpr double kLeast = 0.8;  // of a second field: only here and there
-  if (smooth_noise(along / 5.0, across / 5.0, seed + 1) < kLeast) return 0.0;
-  const double field = smooth_noise(along / kSpacingM, across / kSpacingM, seed);
+/// Where lines run that dark ones follow: cracks, and the tar that others were sealed with.
+struct Lines {
+  double spacing_m;
+  double width_m;
+  double least;        ///< Of a second field of unit sd: they run only here and there.
+  double least_per_m;  ///< Wave number of that field.
+};
+
+/// 1 on a line, the zero line of a smooth field, averaged over the footprint.
+double line(double along, double across, double footprint, const Lines& lines, std::uint64_t seed) {
+  if (smooth_noise(along * lines.least_per_m, across * lines.least_per_m, seed + 1) < lines.least) return 0.0;
   // The field's slope is about 1 a spacing: its value is the distance from its zero line.
-  return covered(field * kSpacingM, -0.5 * kWidthM, 0.5 * kWidthM, footprint);
+  const double distance = lines.spacing_m * smooth_noise(along / lines.spacing_m, across / lines.spacing_m, seed);
+  return covered(distance, -0.5 * lines.width_m, 0.5 * lines.width_m, footprint);
 }
 
 /// Iron lids in the lanes, each in a ring of fresh asphalt: what they take from the asphalt's tone.
 double manhole(double along, double across, double footprint, const RoadLook& road, std::uint64_t seed) {
   constexpr double kCellM = 18.0;
   const auto column = static_cast<std::int64_t>(std::floor(along / kCellM));
-  Rng rng(seed ^ (static_cast<std::uint64_t>(column) * 0x9e3779b97f4a7c15ULL));
+  Rng rng(cell_seed(column, 0, seed));
   if (rng.uniform() > road.asphalt.manholes_share) return 0.0;
   const double x = along - kCellM * static_cast<double>(column) - rng.uniform(2.0, kCellM - 2.0);
   const double half = road.profile.half_width_m;
@@ -91,15 +96,19 @@ double asphalt_albedo(const Eigen::Vector2d& uv, double footprint, bool marked, 
   tone -= 0.06 * std::exp(-0.5 * std::pow(from_track / kTrackSdM, 2));
   tone -= 0.15 * covered(std::abs(across), profile.half_width_m - 0.25, profile.half_width_m + 1.0, footprint);
   tone += 0.18 * patch(along, across, road, seed + 200);
-  tone -= 0.45 * crack(along, across, footprint, seed + 300);
+  constexpr Lines kCracks{.spacing_m = 2.5, .width_m = 0.012, .least = 0.8, .least_per_m = 0.2};
+  constexpr Lines kSeals{.spacing_m = 4.0, .width_m = 0.06, .least = 0.7, .least_per_m = 0.08};
+  tone -= 0.45 * line(along, across, footprint, kCracks, seed + 300);
+  // Along the road more than across it.
+  tone -= 0.55 * line(0.3 * along, across, footprint, kSeals, seed + 320);
   tone -= manhole(along, across, footprint, road, seed + 350);
   double value = o.albedo * tone;
-  const double line = o.markings && marked ? std::min(1.0, marking(along, across, footprint, profile)) : 0.0;
-  if (line > 0.0) {
+  const double painted = o.markings && marked ? std::min(1.0, marking(along, across, footprint, profile)) : 0.0;
+  if (painted > 0.0) {
     const FractalNoise wear{.seed = seed + 400, .longest_m = 0.4, .octaves = 5, .first_sd = 0.5, .persistence = 0.9};
     const double left = std::clamp(0.5 + 2.0 * (wear.at(along, across, footprint) + 0.5 - o.marking_wear), 0.0, 1.0);
     constexpr double kPaint = 0.55;
-    value += line * left * (kPaint - value);
+    value += painted * left * (kPaint - value);
   }
   return value;
 }
@@ -108,6 +117,17 @@ double asphalt_albedo(const Eigen::Vector2d& uv, double footprint, bool marked, 
 
 int material_code(Material material, int variant) {
   return static_cast<int>(material) * kVariants + variant % kVariants;
+}
+
+double mirrored(int material_code) {
+  switch (static_cast<Material>(material_code / kVariants)) {
+    case Material::kGlass:
+      return 0.12;
+    case Material::kPaint:
+      return 0.05;
+    default:
+      return 0.0;
+  }
 }
 
 bool is_road(int material_code) { return material_code / kVariants == static_cast<int>(Material::kAsphalt); }

@@ -41,11 +41,14 @@ int material_code(Material material, int variant);
 /// Whether a code is that of the roadway.
 bool is_road(int material_code);
 
+/// Share of light that a surface mirrors when seen square on.
+double mirrored(int material_code);
+
 /// How asphalt is made up; contrasts are standard deviations relative to its albedo.
 struct AsphaltOptions {
-  double albedo = 0.16;
-  double grain = 0.20;          ///< Stones: centimetres.
-  double stains = 0.07;         ///< Decimetres to metres.
+  double albedo = 0.23;
+  double grain = 0.14;          ///< Stones: centimetres.
+  double stains = 0.06;         ///< Decimetres to metres.
   double patches_share = 0.08;  ///< Of the road, mended.
   double manholes_share = 0.5;  ///< Of stretches of 18 m that have one.
   double marking_wear = 0.35;   ///< Share of the paint that is gone.

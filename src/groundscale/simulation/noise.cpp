@@ -35,7 +35,7 @@ std::int64_t floor_of(double value) {
 /// different seeds have nothing in common nearby.
 class Field {
  public:
-  static constexpr int kLattice = 128;
+  static constexpr int kLattice = 64;
   static constexpr int kFine = 4;
   static constexpr int kSide = kLattice * kFine;
 
@@ -62,7 +62,7 @@ class Field {
     for (float& value : values_) value = static_cast<float>(scale * value);
   }
 
-  double at(std::int64_t x, std::int64_t y) const {
+  float at(std::int64_t x, std::int64_t y) const {
     constexpr std::int64_t kMask = kSide - 1;
     return values_[static_cast<std::size_t>((y & kMask) * kSide + (x & kMask))];
   }
@@ -73,7 +73,10 @@ class Field {
     double sum = 0.0;
     for (std::int64_t y = 0; y < kSide; ++y) {
       for (std::int64_t x = 0; x < kSide; ++x) {
-        const double a = at(x, y), b = at(x + 1, y), c = at(x, y + 1), d = at(x + 1, y + 1);
+        const double a = at(x, y);
+        const double b = at(x + 1, y);
+        const double c = at(x, y + 1);
+        const double d = at(x + 1, y + 1);
         sum += (a * a + b * b + c * c + d * d + a * b + b * d + d * c + c * a) / 9.0 + (a * d + b * c) / 18.0;
       }
     }
@@ -85,6 +88,14 @@ class Field {
 
 }  // namespace
 
+std::uint64_t cell_seed(std::int64_t column, std::int64_t row, std::uint64_t seed) {
+  return mixed(mixed(mixed(seed) + static_cast<std::uint64_t>(column)) + static_cast<std::uint64_t>(row));
+}
+
+double cell_value(std::int64_t column, std::int64_t row, std::uint64_t seed) {
+  return static_cast<double>(cell_seed(column, row, seed) >> 11) * 0x1.0p-53;
+}
+
 double smooth_noise(double x, double y, std::uint64_t seed) {
   static const Field field;
   const std::uint64_t shift = mixed(seed);
@@ -92,34 +103,35 @@ double smooth_noise(double x, double y, std::uint64_t seed) {
   const double fine_y = y * Field::kFine + static_cast<double>((shift >> 16) & 0xffff);
   const std::int64_t i = floor_of(fine_x);
   const std::int64_t j = floor_of(fine_y);
-  const double share_x = fine_x - static_cast<double>(i);
-  const double share_y = fine_y - static_cast<double>(j);
-  const double above = field.at(i, j) + share_x * (field.at(i + 1, j) - field.at(i, j));
-  const double below = field.at(i, j + 1) + share_x * (field.at(i + 1, j + 1) - field.at(i, j + 1));
-  return above + share_y * (below - above);
+  const auto share_x = static_cast<float>(fine_x - static_cast<double>(i));
+  const auto share_y = static_cast<float>(fine_y - static_cast<double>(j));
+  const float above = field.at(i, j) + share_x * (field.at(i + 1, j) - field.at(i, j));
+  const float below = field.at(i, j + 1) + share_x * (field.at(i + 1, j + 1) - field.at(i, j + 1));
+  return static_cast<double>(above + share_y * (below - above));
 }
 
 double FractalNoise::at(double x_m, double y_m, double footprint_m) const {
-  double sum = 0.0;
-  double spacing = longest_m;
-  double sd = first_sd;
   // Each octave is turned against the one before, and the first against the road: their repetitions never coincide.
   constexpr double kCos = 0.6;
   constexpr double kSin = 0.8;
-  double x = kCos * x_m - kSin * y_m;
-  double y = kSin * x_m + kCos * y_m;
+  double x = (kCos * x_m - kSin * y_m) / longest_m;
+  double y = (kSin * x_m + kCos * y_m) / longest_m;
+  // The best estimate of a patch's average from its middle is the middle's value times the mean over the patch of the
+  // autocorrelation, which is close to exp(-3 tau^2 / 4) in each direction, tau in lattice spacings.
+  double ratio = footprint_m / longest_m;
+  double kept = std::exp(-0.115 * ratio * ratio);
+  double sum = 0.0;
+  double sd = first_sd;
   for (int k = 0; k < octaves; ++k) {
-    // The best estimate of a patch's average from its middle is the middle's value times the mean over the patch of the
-    // autocorrelation, which is close to exp(-3 tau^2 / 4) in each direction, tau in lattice spacings.
-    const double ratio = footprint_m / spacing;
-    constexpr double kGone = 6.0;
+    constexpr double kGone = 5.0;
     if (ratio >= kGone) break;
-    const double kept = std::exp(-0.115 * ratio * ratio);
-    sum += kept * sd * smooth_noise(x / spacing, y / spacing, seed + static_cast<std::uint64_t>(k));
-    spacing *= 0.5;
+    sum += kept * sd * smooth_noise(x, y, seed + static_cast<std::uint64_t>(k));
+    // Half of the spacing: twice the ratio.
+    ratio *= 2.0;
+    kept *= kept * kept * kept;
     sd *= persistence;
-    const double turned = kCos * x - kSin * y;
-    y = kSin * x + kCos * y;
+    const double turned = 2.0 * (kCos * x - kSin * y);
+    y = 2.0 * (kSin * x + kCos * y);
     x = turned;
   }
   return sum;

@@ -4,8 +4,13 @@
 
 namespace groundscale {
 
+/// A number from 0 to 1 (not 1 itself) for a cell of a grid, as good as independent of that of any other cell or seed.
+double cell_value(std::int64_t column, std::int64_t row, std::uint64_t seed);
+/// The same as a seed.
+std::uint64_t cell_seed(std::int64_t column, std::int64_t row, std::uint64_t seed);
+
 /// Smooth random field over the plane, the same on every machine for a seed: cubic B-spline through independent normal
-/// values on the integer lattice, which repeats after 128, evaluated at quarters of it and straight in between. Mean 0;
+/// values on the integer lattice, which repeats after 64, evaluated at quarters of it and straight in between. Mean 0;
 /// its sd is 1 on average over the plane.
 double smooth_noise(double x, double y, std::uint64_t seed);
 

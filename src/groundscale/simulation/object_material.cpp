@@ -159,12 +159,6 @@ double covered(double x, double low, double high, double footprint) {
   return std::clamp((std::min(x + half, high) - std::max(x - half, low)) / (2.0 * half), 0.0, 1.0);
 }
 
-double cell_value(std::int64_t column, std::int64_t row, std::uint64_t seed) {
-  Rng rng(seed ^ (static_cast<std::uint64_t>(column) * 0x9e3779b97f4a7c15ULL) ^
-          (static_cast<std::uint64_t>(row) * 0xc2b2ae3d27d4eb4fULL));
-  return rng.uniform();
-}
-
 double tiles(const Eigen::Vector2d& uv, double footprint, const Tiles& tiles, std::uint64_t seed) {
   const std::int64_t row = cell_of(uv.y(), tiles.height_m);
   const double shifted = uv.x() + (tiles.bonded && row % 2 != 0 ? 0.5 * tiles.width_m : 0.0);

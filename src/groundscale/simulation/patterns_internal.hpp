@@ -11,9 +11,6 @@ namespace groundscale::internal {
 /// Share of a patch of side `footprint` about `x` that lies in [low, high].
 double covered(double x, double low, double high, double footprint);
 
-/// A number from 0 to 1 for a cell.
-double cell_value(std::int64_t column, std::int64_t row, std::uint64_t seed);
-
 struct Tiles {
   double width_m = 0.3;
   double height_m = 0.3;

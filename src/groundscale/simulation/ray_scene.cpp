@@ -107,7 +107,8 @@ RayScene::RayScene(std::vector<TriangleMesh> meshes) : embree_(std::make_unique<
   embree_->device = rtcNewDevice("isa=sse4.2,threads=1");
   GS_CHECK(embree_->device != nullptr, "Embree has a device");
   embree_->scene = rtcNewScene(embree_->device);
-  rtcSetSceneFlags(embree_->scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(embree_->scene, RTC_SCENE_FLAG_NONE);
+  rtcSetSceneBuildQuality(embree_->scene, RTC_BUILD_QUALITY_HIGH);
   for (std::size_t k = 0; k < embree_->meshes.size(); ++k) {
     const TriangleMesh& mesh = embree_->meshes[k];
     GS_CHECK(mesh.uv.size() == mesh.vertices.size(), "uv at each vertex");

@@ -12,8 +12,8 @@
 namespace groundscale {
 namespace {
 
-constexpr double kSkyLight = 0.35;  ///< On level ground, of what the sun gives.
-constexpr double kSunLight = 0.9;
+constexpr double kSkyLight = 0.3;  ///< On level ground, of what the sun gives.
+constexpr double kSunLight = 1.1;
 constexpr int kSide = 2;    ///< Rays a side of a pixel.
 constexpr int kPacket = 4;  ///< Rays that are traced at once: one for each place of a pixel.
 
@@ -23,11 +23,17 @@ double sky(const Eigen::Vector3d& direction) {
   return 0.75 - 0.3 * std::min(1.0, up * 1.5);
 }
 
-/// The middle of place `k` of `side` x `side` in a pixel.
-Eigen::Vector2d place_in_pixel(int x, int y, int k, int side) {
-  const int column = k % side;
-  const int row = k / side;
-  return {x + (column + 0.5) / side - 0.5, y + (row + 0.5) / side - 0.5};
+/// The middle of one of the 2 x 2 places of a pixel.
+Eigen::Vector2d place_in_pixel(int x, int y, int k) {
+  const int column = k % kSide;
+  const int row = k / kSide;
+  return {x + (column + 0.5) / kSide - 0.5, y + (row + 0.5) / kSide - 0.5};
+}
+
+/// Places of more rays in a pixel, about its middle: no two in the same column or row.
+Eigen::Vector2d place_at_edge(int k, int count) {
+  constexpr int kStride = 3;  // has no factor in common with powers of two
+  return {(k + 0.5) / count - 0.5, ((k * kStride + 1) % count + 0.5) / count - 0.5};
 }
 
 /// What stands still and what moves.
@@ -64,46 +70,76 @@ class Shading {
       : world_(world), scenes_(scenes), focal_px_(focal_px), sun_(world.sun()) {}
 
   struct Light {
-    double sum = 0.0;
-    bool edge = false;  ///< The rays met more than one surface.
+    double sum = 0.0;   ///< Over the four rays.
+    bool edge = false;  ///< They met more than one surface.
+    bool whole = true;  ///< Each place has a ray.
   };
 
-  /// @param side  Rays a side of the pixel: what one of them stands for is that much smaller.
-  Light of(const RayPacket& rays, int side) const {
+  /// @param share  Share of a pixel's side that a ray stands for.
+  Light of(const RayPacket& rays, double share) const {
     const auto hits = scenes_.hit(rays);
-    RayPacket to_sun;
-    std::array<double, kPacket> facing{};
-    constexpr double kOffM = 2e-3;  // off the surface, against its own roughness in single precision
-    for (std::size_t k = 0; k < kPacket; ++k) {
-      if (!hits[k]) continue;
-      facing[k] = hits[k]->normal.dot(sun_);
-      to_sun.valid[k] = facing[k] > 0.0;
-      to_sun.origin[k] = rays.origin[k] + hits[k]->distance_m * rays.direction[k] + kOffM * hits[k]->normal;
-      to_sun.direction[k] = sun_;
-    }
-    const auto shadow = scenes_.blocked(to_sun);
     Light light;
     const auto surface = [&hits](std::size_t k) { return hits[k] ? hits[k]->mesh : -1; };
     for (std::size_t k = 0; k < kPacket; ++k) {
-      if (surface(k) != surface(0)) light.edge = true;
+      light.edge = light.edge || surface(k) != surface(0);
+      light.whole = light.whole && rays.valid[k];
+    }
+    const auto sunlight = sunlight_at(rays, hits);
+    double even_albedo = 0.0;
+    for (std::size_t k = 0; k < kPacket; ++k) {
       if (!rays.valid[k]) continue;
-      light.sum += hits[k] ? reflected(*hits[k], rays.direction[k], side,
-                                       to_sun.valid[k] && !shadow[k] ? kSunLight * facing[k] : 0.0)
-                           : sky(rays.direction[k]);
+      if (!hits[k]) {
+        light.sum += sky(rays.direction[k]);
+        continue;
+      }
+      // Over one surface two rays of the four, on a diagonal, tell what it is made of.
+      if (light.edge || k == 0 || k + 1 == kPacket) {
+        constexpr double kTwoOfFour = 1.41;
+        even_albedo = albedo_of(*hits[k], rays.direction[k], light.edge ? share : kTwoOfFour * share);
+      }
+      // Half of the sky is over a wall, all of it over the ground.
+      const double open = 0.5 - 0.5 * hits[k]->normal.y();
+      light.sum += even_albedo * (kSkyLight * (0.3 + 0.7 * open) + sunlight[k]) + glint(*hits[k], rays.direction[k]);
     }
     return light;
   }
 
  private:
-  double reflected(const RayHit& hit, const Eigen::Vector3d& direction, int side, double sunlight) const {
+  std::array<double, kPacket> sunlight_at(const RayPacket& rays,
+                                          const std::array<std::optional<RayHit>, kPacket>& hits) const {
+    RayPacket to_sun;
+    std::array<double, kPacket> light{};
+    constexpr double kOffM = 2e-3;  // off the surface, against its own roughness in single precision
+    for (std::size_t k = 0; k < kPacket; ++k) {
+      const double facing = hits[k] ? hits[k]->normal.dot(sun_) : 0.0;
+      if (facing <= 0.0) continue;
+      light[k] = kSunLight * facing;
+      to_sun.valid[k] = true;
+      to_sun.origin[k] = rays.origin[k] + hits[k]->distance_m * rays.direction[k] + kOffM * hits[k]->normal;
+      to_sun.direction[k] = sun_;
+    }
+    const auto shadow = scenes_.blocked(to_sun);
+    for (std::size_t k = 0; k < kPacket; ++k) light[k] = shadow[k] ? 0.0 : light[k];
+    return light;
+  }
+
+  double albedo_of(const RayHit& hit, const Eigen::Vector3d& direction, double share) const {
     // Of a pixel's share seen at a slant, the side of a square of the same area.
     const double slant = std::max(0.02, -hit.normal.dot(direction));
-    const double footprint = hit.distance_m / (focal_px_ * side) / std::sqrt(slant);
-    const double value =
-        albedo(hit.material, hit.uv, footprint, {world_.options.asphalt, world_.options.profile}, world_.options.seed);
-    // Half of the sky is over a wall, all of it over the ground.
-    const double open = 0.5 - 0.5 * hit.normal.y();
-    return value * (kSkyLight * (0.3 + 0.7 * open) + sunlight);
+    const double footprint = share * hit.distance_m / focal_px_ / std::sqrt(slant);
+    return albedo(hit.material, hit.uv, footprint, {world_.options.asphalt, world_.options.profile},
+                  world_.options.seed);
+  }
+
+  /// What of the sky a smooth surface mirrors (Schlick 1994); below the horizon it mirrors a street in shade.
+  static double glint(const RayHit& hit, const Eigen::Vector3d& direction) {
+    const double square_on = mirrored(hit.material);
+    if (square_on == 0.0) return 0.0;
+    constexpr double kStreet = 0.08;
+    const double facing = std::clamp(-hit.normal.dot(direction), 0.0, 1.0);
+    const double share = square_on + (1.0 - square_on) * std::pow(1.0 - facing, 5);
+    const Eigen::Vector3d onward = direction + 2.0 * facing * hit.normal;
+    return share * (onward.y() < 0.0 ? sky(onward) : kStreet);
   }
 
   const World& world_;
@@ -112,30 +148,36 @@ class Shading {
   Eigen::Vector3d sun_;
 };
 
-/// A pose for each ray of a pixel, in an order that ties no place in the pixel to early or late.
-std::vector<RigidTransform> spread(const Shutter& shutter, int side) {
-  constexpr int kStride = 7;  // has no factor in common with the powers of two that sides are
-  const int count = side * side;
+/// A pose for each of some rays, spread over the time that the shutter is open.
+std::vector<RigidTransform> spread(const Shutter& shutter, int count) {
   std::vector<RigidTransform> poses;
   for (int k = 0; k < count; ++k) {
-    const double share = (k * kStride % count + 0.5) / count;
-    poses.push_back(between(shutter.world_from_cam_open, shutter.world_from_cam_close, share));
+    poses.push_back(between(shutter.world_from_cam_open, shutter.world_from_cam_close, (k + 0.5) / count));
   }
   return poses;
+}
+
+/// Ray at a place of a pixel, from those of its 2 x 2 places: straight between them is good to a millionth of a pixel.
+Eigen::Vector3d ray_between(const Eigen::Vector3f* rays, const Eigen::Vector2d& place) {
+  const auto x = static_cast<float>(2.0 * place.x() + 0.5);
+  const auto y = static_cast<float>(2.0 * place.y() + 0.5);
+  const Eigen::Vector3f ray =
+      (1.0F - y) * ((1.0F - x) * rays[0] + x * rays[1]) + y * ((1.0F - x) * rays[2] + x * rays[3]);
+  return ray.cast<double>().normalized();
 }
 
 }  // namespace
 
 Renderer::Renderer(const World& world, CameraPtr camera, const RenderOptions& options)
     : world_(world), camera_(std::move(camera)), options_(options) {
-  GS_CHECK(options.edge_samples == kSide || options.edge_samples == 2 * kSide, "2 or 4 rays a side");
+  GS_CHECK(options.edge_rays == 0 || options.edge_rays == 8 || options.edge_rays == 16, "0, 8 or 16 more rays");
   rays_.resize(static_cast<std::size_t>(camera_->width()) * static_cast<std::size_t>(camera_->height()) * kPacket,
                Eigen::Vector3f::Zero());
   for_each_row([this](int y) {
     auto* ray = rays_.data() + static_cast<std::ptrdiff_t>(y) * camera_->width() * kPacket;
     for (int x = 0; x < camera_->width(); ++x) {
       for (int k = 0; k < kPacket; ++k, ++ray) {
-        if (const auto found = camera_->ray(place_in_pixel(x, y, k, kSide))) *ray = found->cast<float>();
+        if (const auto found = camera_->ray(place_in_pixel(x, y, k))) *ray = found->cast<float>();
       }
     }
   });
@@ -167,12 +209,12 @@ RayPacket Renderer::rays_of(int x, int y, const std::vector<RigidTransform>& pos
 double Renderer::mean_light(const Shutter& shutter, const RayScene* moving) const {
   constexpr int kStride = 8;
   const Shading shading(world_, {world_.scene, moving}, camera_->focal_px());
-  const std::vector<RigidTransform> poses = spread(shutter, kSide);
+  const std::vector<RigidTransform> poses = spread(shutter, kPacket);
   double sum = 0.0;
   int count = 0;
   for (int y = kStride / 2; y < camera_->height(); y += kStride) {
     for (int x = kStride / 2; x < camera_->width(); x += kStride, ++count) {
-      sum += shading.of(rays_of(x, y, poses), kSide).sum / kPacket;
+      sum += shading.of(rays_of(x, y, poses), 1.0 / kSide).sum / kPacket;
     }
   }
   return count > 0 ? sum / count : 0.0;
@@ -182,31 +224,32 @@ Radiance Renderer::render(const Shutter& shutter, const RayScene* moving) const 
   Radiance image{camera_->width(), camera_->height(), {}};
   image.values.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   const Shading shading(world_, {world_.scene, moving}, camera_->focal_px());
-  const std::vector<RigidTransform> poses = spread(shutter, kSide);
-  const std::vector<RigidTransform> fine_poses = spread(shutter, options_.edge_samples);
-  const auto fine = [&](int x, int y) {
-    const int side = options_.edge_samples;
+  const std::vector<RigidTransform> poses = spread(shutter, kPacket);
+  const std::vector<RigidTransform> edge_poses = spread(shutter, options_.edge_rays);
+  const double fine_share = 1.0 / std::sqrt(kPacket + options_.edge_rays);
+  const auto more_at = [&](int x, int y) {
+    const Eigen::Vector3f* known = rays_.data() + (static_cast<std::ptrdiff_t>(y) * image.width + x) * kPacket;
     double sum = 0.0;
-    for (int first = 0; first < side * side; first += kPacket) {
+    for (int first = 0; first < options_.edge_rays; first += kPacket) {
       RayPacket rays;
       for (std::size_t k = 0; k < kPacket; ++k) {
         const int place = first + static_cast<int>(k);
-        const RigidTransform& pose = fine_poses[static_cast<std::size_t>(place)];
-        const auto ray = camera_->ray(place_in_pixel(x, y, place, side));
-        rays.valid[k] = ray.has_value();
+        const RigidTransform& pose = edge_poses[static_cast<std::size_t>(place)];
+        rays.valid[k] = true;
         rays.origin[k] = pose.translation;
-        rays.direction[k] = pose.rotation * ray.value_or(Eigen::Vector3d::UnitZ());
+        rays.direction[k] = pose.rotation * ray_between(known, place_at_edge(place, options_.edge_rays));
       }
-      sum += shading.of(rays, side).sum;
+      sum += shading.of(rays, fine_share).sum;
     }
-    return sum / (side * side);
+    return sum;
   };
   for_each_row([&](int y) {
     float* row = image.values.data() + static_cast<std::ptrdiff_t>(y) * image.width;
     for (int x = 0; x < image.width; ++x) {
-      const auto light = shading.of(rays_of(x, y, poses), kSide);
-      const bool more = light.edge && options_.edge_samples > kSide;
-      row[x] = static_cast<float>(more ? fine(x, y) : light.sum / kPacket);
+      const auto light = shading.of(rays_of(x, y, poses), 1.0 / kSide);
+      const bool more = light.edge && light.whole;
+      const int rays = kPacket + (more ? options_.edge_rays : 0);
+      row[x] = static_cast<float>((light.sum + (more ? more_at(x, y) : 0.0)) / rays);
     }
   });
   return image;

@@ -17,7 +17,7 @@ struct Radiance {
 };
 
 struct RenderOptions {
-  int edge_samples = 4;  ///< Rays a side of a pixel that meets more than one surface, 2 or 4; elsewhere there are 2.
+  int edge_rays = 8;  ///< More rays for a pixel whose first four meet more than one surface: 0, 8 or 16.
   int threads = 1;
 };
 

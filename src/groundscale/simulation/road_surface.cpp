@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "groundscale/simulation/noise.hpp"
+
 namespace groundscale {
 namespace {
 
@@ -165,6 +167,22 @@ double RoadSurface::rise_beyond(double beyond_edge_m) const {
          profile_.verge_slope * std::clamp(beyond_pavement, 0.0, profile_.verge_m);
 }
 
+double RoadSurface::roughness(double x, double z, double beyond_edge_m) const {
+  // Power over wave number falls with its square, as roads have it (ISO 8608); none at the kerb.
+  constexpr double kOctaves = 3.0;
+  constexpr double kPersistence = 0.7;
+  constexpr double kFadeM = 0.5;
+  const double share = std::clamp(-beyond_edge_m / kFadeM, 0.0, 1.0);
+  if (share == 0.0 || profile_.roughness_m == 0.0) return 0.0;
+  const double sum_of_squares = (1.0 - std::pow(kPersistence, 2.0 * kOctaves)) / (1.0 - kPersistence * kPersistence);
+  const FractalNoise waves{.seed = 4711,
+                           .longest_m = 3.0,
+                           .octaves = static_cast<int>(kOctaves),
+                           .first_sd = 1.0 / std::sqrt(sum_of_squares),
+                           .persistence = kPersistence};
+  return share * profile_.roughness_m * waves.at(x, z, 0.0);
+}
+
 RoadPlace RoadSurface::locate(double x, double z) const {
   RoadPlace place;
   place.from_crest_m = reach_m();
@@ -186,7 +204,7 @@ RoadPlace RoadSurface::locate(double x, double z) const {
   place.road = owner->road;
   place.on_path = owner->on_path;
   place.from_crest_m = owner->from_crest_m;
-  place.ground_y = road_y(passes) - rise_beyond(place.beyond_edge_m);
+  place.ground_y = road_y(passes) - rise_beyond(place.beyond_edge_m) - roughness(x, z, place.beyond_edge_m);
   if (place.beyond_edge_m <= 0.0) {
     place.ground = Ground::kRoad;
   } else if (place.beyond_edge_m <= profile_.kerb_width_m) {

@@ -15,6 +15,7 @@ struct RoadProfile {
   double lane_offset_m = 1.75;  ///< The path runs so far to the right of the crest.
   double half_width_m = 3.6;    ///< From the crest to the kerb.
   double crown = 0.02;          ///< Fall to the side, over distance.
+  double roughness_m = 0.004;   ///< Sd of the roadway's height against its smooth shape, over waves of 0.7 to 6 m.
   double kerb_m = 0.12;         ///< Height of the kerb; 0: none.
   double kerb_width_m = 0.15;   ///< Its top, the face included.
   double kerb_face_m = 0.02;    ///< Seen from above: it leans a little.
@@ -79,6 +80,7 @@ class RoadSurface {
   Pass pass_at(const Sample& nearest, double x, double z) const;
   double road_y(const std::vector<Pass>& passes) const;
   double rise_beyond(double beyond_edge_m) const;
+  double roughness(double x, double z, double beyond_edge_m) const;
 
   std::vector<Path> roads_;
   RoadProfile profile_;

@@ -11,11 +11,11 @@ namespace groundscale {
 /// What the camera makes of light.
 struct SensorOptions {
   double vignetting = 0.25;     ///< Loss of light in the corner.
-  double target = 0.38;         ///< Mean of the image that the exposure aims at, 1 = full.
+  double target = 0.42;         ///< Mean of the image that the exposure aims at, 1 = full.
   double adaptation_s = 0.5;    ///< Time in which the exposure makes up for most of a change.
-  double full_well_e = 9000.0;  ///< Electrons of a full pixel: shot noise is the root of their number. 0: no noise.
-  double read_noise_e = 12.0;   ///< Electrons, sd.
-  double gamma = 1.8;           ///< Grey level = light^(1 / gamma).
+  double full_well_e = 8000.0;  ///< Electrons of a full pixel: shot noise is the root of their number. 0: no noise.
+  double read_noise_e = 14.0;   ///< Electrons, sd.
+  double gamma = 1.0;           ///< Grey level = light^(1 / gamma).
 };
 
 /// The gain of each image: it follows the scene with a lag.

@@ -9,6 +9,8 @@ void visit_fields(RoadProfile& profile, FieldVisitor& visitor) {
                 profile.lane_offset_m);
   visitor.field({"half_width_m", "m", "from the crest to the kerb", 1.0, 20.0}, profile.half_width_m);
   visitor.field({"crown", "", "fall to the sides, over distance", 0.0, 0.1}, profile.crown);
+  visitor.field({"roughness_m", "m", "sd of the roadway's height over waves of 0.7 to 6 m", 0.0, 0.05},
+                profile.roughness_m);
   visitor.field({"kerb_m", "m", "height of the kerb; 0: none", 0.0, 0.5}, profile.kerb_m);
   visitor.field({"pavement_m", "m", "width beyond the kerb", 0.0, 10.0}, profile.pavement_m);
   visitor.field({"verge_slope", "", "rise beyond the pavement, over distance", -0.5, 0.5}, profile.verge_slope);
@@ -57,20 +59,35 @@ void visit_fields(SensorOptions& options, FieldVisitor& visitor) {
   visitor.field({"gamma", "", "grey level = light^(1 / gamma)", 0.2, 5.0}, options.gamma);
 }
 
+void visit_fields(TrafficOptions& options, FieldVisitor& visitor) {
+  visitor.field({"on", "", "whether other cars drive"}, options.on);
+  visitor.field({"ahead", "", "cars in the vehicle's own lane", 0.0, 20.0}, options.ahead);
+  visitor.field({"gap_s", "s", "from the vehicle to the one ahead, and on to the next", 0.5, 60.0}, options.gap_s);
+  visitor.field({"oncoming_every_s", "s", "mean time between oncoming cars, at least 3; 0: none", 0.0, 3600.0},
+                options.oncoming_every_s);
+}
+
 void visit_fields(SimulationOptions& options, FieldVisitor& visitor) {
   visitor.group("rig", options.rig);
   visitor.field({"rate_hz", "Hz", "frames a second along a route; given poses have their times", 0.1, 1000.0},
                 options.rate_hz);
   visitor.field({"shutter_ms", "ms", "open for so long: motion blur", 0.0, 1000.0}, options.shutter_ms);
-  visitor.field({"edge_samples", "", "rays a side of a pixel at edges, 2 or 4", 2.0, 4.0}, options.edge_samples);
+  visitor.field({"edge_rays", "", "a pixel has 4 rays, at edges so many more: 0, 8 or 16", 0.0, 16.0},
+                options.edge_rays);
   visitor.group("sensor", options.sensor);
   visitor.group("world", options.world);
+  visitor.group("traffic", options.traffic);
 }
 
 Result<void> validate(const SimulationOptions& options) {
   if (auto checked = check_ranges(options); !checked) return checked;
-  if (options.edge_samples == 3) {
-    return Error{ErrorCode::kBadInput, "edge_samples is 3, it must be 2 or 4"};
+  if (options.edge_rays != 0 && options.edge_rays != 8 && options.edge_rays != 16) {
+    return Error{ErrorCode::kBadInput, fmt::format("edge_rays is {}, it must be 0, 8 or 16", options.edge_rays)};
+  }
+  const double every_s = options.traffic.oncoming_every_s;
+  if (every_s > 0.0 && every_s < 3.0) {
+    return Error{ErrorCode::kBadInput,
+                 fmt::format("traffic.oncoming_every_s is {}, it must be 0 or at least 3", every_s)};
   }
   const RoadProfile& road = options.world.profile;
   if (road.lane_offset_m >= road.half_width_m) {

@@ -7,6 +7,7 @@
 #include "groundscale/simulation/renderer.hpp"
 #include "groundscale/simulation/route.hpp"
 #include "groundscale/simulation/sensor.hpp"
+#include "groundscale/simulation/traffic.hpp"
 #include "groundscale/simulation/world.hpp"
 
 namespace groundscale {
@@ -16,15 +17,17 @@ struct SimulationOptions {
   CameraRig rig;
   double rate_hz = 10.0;
   double shutter_ms = 4.0;
-  int edge_samples = 4;  ///< As RenderOptions has it.
+  int edge_rays = 8;  ///< As RenderOptions has it.
   SensorOptions sensor;
   WorldOptions world;
+  TrafficOptions traffic;
 };
 
 void visit_fields(RoadProfile& profile, FieldVisitor& visitor);
 void visit_fields(AsphaltOptions& options, FieldVisitor& visitor);
 void visit_fields(WorldOptions& options, FieldVisitor& visitor);
 void visit_fields(SensorOptions& options, FieldVisitor& visitor);
+void visit_fields(TrafficOptions& options, FieldVisitor& visitor);
 void visit_fields(SimulationOptions& options, FieldVisitor& visitor);
 
 /// Every value within its bounds, and those that depend on each other fit. @return kBadInput with field, value, bound.

@@ -11,6 +11,7 @@
 namespace groundscale {
 
 struct TrafficOptions {
+  bool on = false;                ///< Nothing moves but the vehicle where it isn't.
   int ahead = 1;                  ///< Cars in the vehicle's own lane.
   double gap_s = 2.0;             ///< From the vehicle to the one ahead, and on to the next.
   double oncoming_every_s = 8.0;  ///< Mean time between cars that are driven towards the vehicle; 0: none. At least 3.

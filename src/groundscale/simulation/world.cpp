@@ -86,8 +86,12 @@ void add_ground(Meshes& meshes, const RoadSurface& surface) {
     meshes.push_back(std::move(open));
     meshes.push_back(std::move(junction));
   };
-  both_sides(Material::kAsphalt, 0.0, 0.5 * p.half_width_m);
-  both_sides(Material::kAsphalt, 0.5 * p.half_width_m, p.half_width_m);
+  // Fine enough for the roadway's roughness.
+  constexpr double kLaneStripM = 0.45;
+  const int strips = static_cast<int>(std::ceil(p.half_width_m / kLaneStripM));
+  for (int k = 0; k < strips; ++k) {
+    both_sides(Material::kAsphalt, p.half_width_m * k / strips, p.half_width_m * (k + 1) / strips);
+  }
   if (p.kerb_m > 0.0) {
     both_sides(Material::kKerb, p.half_width_m, p.half_width_m + p.kerb_face_m);
     both_sides(Material::kKerb, p.half_width_m + p.kerb_face_m, p.half_width_m + p.kerb_width_m);
@@ -169,6 +173,14 @@ World make_world(const Path& path, const WorldOptions& options) {
                     .taken = taken,
                     .meshes = meshes};
   add_roadside(roadside);
+  for (std::size_t road = 1; road < surface.roads().size(); ++road) {
+    const Path& side_road = surface.roads()[road];
+    // Other houses than beside the driven path.
+    WorldOptions own = options;
+    own.seed += 0x9e3779b97f4a7c15ULL * road;
+    Roadside beside{surface, own, side_road, options.profile.lane_offset_m, 0.0, side_road.length_m(), taken, meshes};
+    add_roadside(beside);
+  }
   return {options, std::move(surface), RayScene(std::move(meshes))};
 }
 
