@@ -194,11 +194,13 @@ Result<void> write_head(const std::string& folder, const SimulatedDrive& drive, 
                   fmt::join(drive.camera.region_px, ", ")));
 }
 
-/// What an earlier drive has left in the folder and this one may not write again.
+/// What an earlier drive has left in the folder, so that nothing of it passes for this one's.
 void remove_earlier(const std::string& folder) {
   std::error_code ignored;
   if (fs::exists(folder + "/simulation.yaml", ignored)) {
-    for (const char* name : {"calib.txt", "config.yaml"}) fs::remove(fmt::format("{}/{}", folder, name), ignored);
+    for (const char* name : {"calib.txt", "config.yaml", "poses.txt", "times.txt", "truth.csv"}) {
+      fs::remove(fmt::format("{}/{}", folder, name), ignored);
+    }
   }
   // Its numbered images would be frames of this one.
   for (const char* name : {"image_0", "depth", "road_masks"}) {
