@@ -44,11 +44,17 @@ check_sanitizers() {
 }
 
 check_docs() {
-  local program=build/release/apps/groundscale/groundscale
-  if ! diff <($program config --markdown) docs/configuration.md; then
-    echo "docs/configuration.md is not what the code says; renew it: $program config --markdown > docs/configuration.md"
-    return 1
-  fi
+  local program=build/release/apps/groundscale/groundscale same=yes
+  in_step() {  # FILE, then the arguments of the program that makes it
+    local file=$1
+    shift
+    diff <($program "$@") "$file" && return
+    echo "$file is not what the code says; renew it: $program $* > $file"
+    same=no
+  }
+  in_step docs/configuration.md config --markdown
+  in_step docs/simulation-options.md config --simulation --markdown
+  [ $same = yes ]
 }
 
 steps=("$@")

@@ -19,6 +19,13 @@ struct ProgramRun {
   std::string err;
 };
 
+/// Where this process's runs keep what they render; never the user's own folder, and new every time, since what older
+/// builds kept there must not pass for what this one renders.
+inline const internal::TempFolder& cache_folder() {
+  static const internal::TempFolder folder;
+  return folder;
+}
+
 /// Runs the program that CTest names in GROUNDSCALE_PROGRAM, without a terminal.
 inline ProgramRun run_program(const std::vector<std::string>& arguments) {
   const char* program = std::getenv("GROUNDSCALE_PROGRAM");
@@ -29,7 +36,7 @@ inline ProgramRun run_program(const std::vector<std::string>& arguments) {
     for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
     return text + "'";
   };
-  std::string command = quoted(program);
+  std::string command = "XDG_CACHE_HOME=" + quoted(cache_folder().path()) + " " + quoted(program);
   for (const std::string& argument : arguments) command.append(" ").append(quoted(argument));
   command.append(" < /dev/null > ").append(quoted(folder / "out")).append(" 2> ").append(quoted(folder / "err"));
   const int raw = std::system(command.c_str());

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "groundscale/core/result.hpp"
 
 namespace CLI {
@@ -12,6 +14,9 @@ namespace groundscale {
 inline constexpr int kDone = 0;
 inline constexpr int kFailedOnTheWay = 1;  ///< What was written stays valid.
 inline constexpr int kWrongUse = 2;        ///< Wrong use or bad input; nothing was written.
+
+/// A line "groundscale: ..." on stderr. Where that can't be written it is lost: a full disk must not end the program.
+void say(const std::string& message);
 
 /// Says on stderr what went wrong and gives the status for it: 2 for bad input, else 1.
 int report_failure(const Error& error);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +11,9 @@
 #include "groundscale/io/config.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/odometry/run_source.hpp"
+#include "groundscale/simulation/camera_presets.hpp"
+#include "groundscale/simulation/route.hpp"
+#include "groundscale/simulation/simulation_options.hpp"
 
 namespace groundscale {
 namespace {
@@ -18,6 +22,7 @@ struct ConfigArguments {
   std::string config_file;
   std::vector<std::string> assignments;
   bool markdown = false;
+  bool simulation = false;
 };
 
 std::string section_of(const std::string& name) {
@@ -32,12 +37,8 @@ std::string cell(const std::string& text) {
   return escaped;
 }
 
-/// docs/configuration.md.
-void print_markdown(const std::vector<FieldRow>& rows) {
-  fmt::print(
-      "# Configuration\n\n"
-      "Every key of `groundscale run`, for `--set section.key=value` or a YAML file for `--config`. Made by\n"
-      "`groundscale config --markdown`; a check keeps it in step with the code.\n");
+/// A table a section.
+void print_tables(const std::vector<FieldRow>& rows) {
   std::string section = "-";
   for (const FieldRow& row : rows) {
     if (section_of(row.name) != section) {
@@ -48,6 +49,57 @@ void print_markdown(const std::vector<FieldRow>& rows) {
     fmt::print("| `{}` | `{}` | {} | {} | {} |\n", row.name, cell(row.value), row.unit, cell(row.range),
                cell(row.help));
   }
+}
+
+/// docs/configuration.md.
+void print_markdown(const std::vector<FieldRow>& rows) {
+  fmt::print(
+      "# Configuration\n\n"
+      "Every key of `groundscale run`, for `--set section.key=value` or a YAML file for `--config`. Made by\n"
+      "`groundscale config --markdown`; a check keeps it in step with the code. Those of `groundscale simulate` are "
+      "in\n"
+      "[simulation-options.md](simulation-options.md).\n");
+  print_tables(rows);
+}
+
+std::vector<FieldRow> simulation_rows(SimulationOptions options) {
+  return field_rows([&options](FieldVisitor& visitor) { visit_fields(options, visitor); });
+}
+
+/// What differs from the first rows in the others, as cells: "`key` value, `key` value".
+std::string differences(const std::vector<FieldRow>& from, const std::vector<FieldRow>& to) {
+  std::string text;
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    if (from[k].value == to[k].value) continue;
+    text += fmt::format("{}`{}` {}", text.empty() ? "" : ", ", to[k].name, to[k].value);
+  }
+  return text;
+}
+
+/// docs/simulation-options.md.
+Result<void> print_simulation_markdown() {
+  const std::vector<FieldRow> rows = simulation_rows({});
+  fmt::print(
+      "# Options of the simulation\n\n"
+      "Every key of `groundscale simulate`, for `--set section.key=value`. Made by `groundscale config --simulation\n"
+      "--markdown`; a check keeps it in step with the code. What they are about: [simulation.md](simulation.md).\n\n"
+      "A preset, then the file of `--camera`, then the route, then `--set` change the defaults:\n\n"
+      "| | changes |\n|---|---|\n");
+  for (const std::string_view name : camera_preset_names()) {
+    const auto preset = find_camera_preset(name);
+    if (!preset) return preset.error();
+    fmt::print("| preset `{}` | {} |\n", name, differences(rows, simulation_rows(preset->options)));
+  }
+  for (const std::string_view name : route_names()) {
+    const auto route = find_route(name);
+    if (!route) return route.error();
+    SimulationOptions options;
+    set_surroundings(route->surroundings, options.world);
+    const std::string changes = differences(rows, simulation_rows(options));
+    if (!changes.empty()) fmt::print("| route `{}` | {} |\n", name, changes);
+  }
+  print_tables(rows);
+  return {};
 }
 
 void print_table(const std::vector<FieldRow>& rows) {
@@ -63,7 +115,20 @@ void print_table(const std::vector<FieldRow>& rows) {
   }
 }
 
+Result<void> print_simulation(const ConfigArguments& arguments) {
+  if (arguments.markdown) return print_simulation_markdown();
+  SimulationOptions options;
+  const VisitOptions visit = [&options](FieldVisitor& visitor) { visit_fields(options, visitor); };
+  for (const std::string& assignment : arguments.assignments) {
+    if (Result<void> done = apply_assignment(assignment, visit); !done) return done;
+  }
+  if (Result<void> valid = validate(options); !valid) return valid;
+  print_table(field_rows(visit));
+  return {};
+}
+
 Result<void> print_config(const ConfigArguments& arguments) {
+  if (arguments.simulation) return print_simulation(arguments);
   RunConfig options;
   const VisitOptions visit = [&options](FieldVisitor& visitor) { visit_fields(options, visitor); };
   if (!arguments.config_file.empty()) {
@@ -86,7 +151,10 @@ void add_config(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("config", "Every key of the configuration: value, unit, range, what it does");
   const auto arguments = std::make_shared<ConfigArguments>();
   command->add_flag("--markdown", arguments->markdown, "As docs/configuration.md");
-  command->add_option("--config", arguments->config_file, "Show the values with this file")->option_text("FILE");
+  CLI::Option* file =
+      command->add_option("--config", arguments->config_file, "Show the values with this file")->option_text("FILE");
+  command->add_flag("--simulation", arguments->simulation, "Those of simulate; as docs/simulation-options.md")
+      ->excludes(file);
   command->add_option("--set", arguments->assignments, "Show the values with this one set")
       ->expected(1)
       ->take_all()

@@ -9,8 +9,10 @@
 
 namespace groundscale {
 
+void say(const std::string& message) { std::fputs(fmt::format("groundscale: {}\n", message).c_str(), stderr); }
+
 int report_failure(const Error& error) {
-  fmt::print(stderr, "groundscale: {}\n", error.message);
+  say(error.message);
   return error.code == ErrorCode::kBadInput ? kWrongUse : kFailedOnTheWay;
 }
 
@@ -39,15 +41,15 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace groundscale;
-  set_log_sink([](std::string_view message) { fmt::print(stderr, "groundscale: warning: {}\n", message); });
+  set_log_sink([](std::string_view message) { say(fmt::format("warning: {}", message)); });
   int exit_status = kFailedOnTheWay;
   try {
     exit_status = run_program(argc, argv);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "groundscale: failed: {}\n", error.what());
+    say(fmt::format("failed: {}", error.what()));
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    fmt::print(stderr, "groundscale: the results could not be written to the standard output\n");
+    say("the results could not be written to the standard output");
     if (exit_status == kDone) exit_status = kFailedOnTheWay;
   }
   return exit_status;

@@ -293,7 +293,7 @@ Result<void> run(const RunArguments& arguments) {
   if (const auto done = writer->finish(*odometry, summary, config_in_force(*config, **sequence, summary)); !done) {
     return done;
   }
-  for (const std::string& warning : summary.warnings) fmt::print(stderr, "groundscale: warning: {}\n", warning);
+  for (const std::string& warning : summary.warnings) say("warning: " + warning);
   print_summary(summary, arguments.output);
   return arguments.truth.empty() ? Result<void>() : print_evaluation(arguments.output, arguments.truth);
 }

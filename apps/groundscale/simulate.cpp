@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +13,7 @@
 #include "commands.hpp"
 #include "groundscale/io/camera_file.hpp"
 #include "groundscale/io/config.hpp"
+#include "groundscale/io/files.hpp"
 #include "groundscale/io/times_file.hpp"
 #include "groundscale/io/trajectory_file.hpp"
 #include "groundscale/simulation/drive_writer.hpp"
@@ -20,7 +24,7 @@ namespace {
 
 struct SimulateArguments {
   DriveOutput output;
-  std::string route;
+  std::string route = "city";
   std::string trajectory;
   std::string times;
   std::string preset = "kitti";
@@ -65,44 +69,68 @@ Result<CameraPreset> camera_of(const SimulateArguments& arguments, Surroundings 
   return preset;
 }
 
-/// Times of the poses: of the file, else those that came with them, else even ones.
-Result<std::vector<double>> times_of(const Trajectory& poses, const std::string& file, double rate_hz) {
-  if (!file.empty()) return read_times(file, static_cast<int>(poses.size()), "pose");
-  if (poses.has_times()) return poses.times_s;
-  std::vector<double> times_s;
-  for (std::size_t k = 0; k < poses.world_from_cam.size(); ++k) times_s.push_back(static_cast<double>(k) / rate_hz);
+/// Times of the poses: of the file, else those that came with them, else even ones. They must rise.
+Result<std::vector<double>> times_of(const Trajectory& poses, const SimulateArguments& arguments, double rate_hz) {
+  std::vector<double> times_s = poses.times_s;
+  if (!arguments.times.empty()) {
+    auto read = read_times(arguments.times, poses.size(), "pose");
+    if (!read) return read;
+    times_s = std::move(*read);
+  }
+  for (std::size_t k = 1; k < times_s.size(); ++k) {
+    if (times_s[k] > times_s[k - 1]) continue;
+    return Error{ErrorCode::kBadInput,
+                 fmt::format("{}: rows {} and {} both have the time {} s, each pose must have a later one than the "
+                             "pose before",
+                             arguments.times.empty() ? arguments.trajectory : arguments.times, k, k + 1, times_s[k])};
+  }
+  if (!times_s.empty()) return times_s;
+  for (int k = 0; k < poses.size(); ++k) times_s.push_back(k / rate_hz);
   return times_s;
 }
 
-Result<SimulatedDrive> plan(const SimulateArguments& arguments) {
-  if (arguments.trajectory.empty()) {
-    const auto route = find_route(arguments.route.empty() ? "city" : arguments.route);
-    if (!route) return route.error();
-    const auto camera = camera_of(arguments, route->surroundings);
-    if (!camera) return camera.error();
-    return drive_along(*route, *camera, arguments.seed);
+/// What can be known before the world is made, which takes seconds.
+Result<void> check_output(const DriveOutput& output, int frames, const std::string& of_what) {
+  if (output.frames > frames) {
+    return Error{ErrorCode::kBadInput, fmt::format("--frames {}: {} has {} frames", output.frames, of_what, frames)};
   }
+  return check_output_folder("--output", output.folder, output.force);
+}
+
+Result<SimulatedDrive> plan_route(const SimulateArguments& arguments) {
+  const auto route = find_route(arguments.route);
+  if (!route) return route.error();
+  const auto camera = camera_of(arguments, route->surroundings);
+  if (!camera) return camera.error();
+  const auto frames = static_cast<int>(drive(*route, camera->options.rate_hz, {}).size());
+  if (auto fits = check_output(arguments.output, frames, "route " + arguments.route); !fits) return fits.error();
+  return drive_along(*route, *camera, arguments.seed);
+}
+
+Result<SimulatedDrive> plan_trajectory(const SimulateArguments& arguments) {
   const auto camera = camera_of(arguments, Surroundings::kTown);
   if (!camera) return camera.error();
   const Result<Trajectory> poses = read_trajectory(arguments.trajectory);
   if (!poses) return poses.error();
-  const auto times_s = times_of(*poses, arguments.times, camera->options.rate_hz);
+  const auto times_s = times_of(*poses, arguments, camera->options.rate_hz);
   if (!times_s) return times_s.error();
+  if (auto fits = check_output(arguments.output, poses->size(), arguments.trajectory); !fits) return fits.error();
   auto drive = drive_along(*poses, *times_s, *camera, arguments.seed);
   if (!drive) return Error{drive.error().code, fmt::format("{}: {}", arguments.trajectory, drive.error().message)};
   return drive;
 }
 
+/// How the drive can be had again, together with simulation.yaml's options.
 std::string source_of(const SimulateArguments& arguments) {
-  if (arguments.trajectory.empty()) {
-    return fmt::format("route {}, preset {}, seed {}", arguments.route.empty() ? "city" : arguments.route,
-                       arguments.preset, arguments.seed);
-  }
-  return fmt::format("trajectory {}, preset {}, seed {}", arguments.trajectory, arguments.preset, arguments.seed);
+  std::string text = arguments.trajectory.empty() ? "route " + arguments.route : "trajectory " + arguments.trajectory;
+  if (!arguments.times.empty()) text += ", times " + arguments.times;
+  text += ", preset " + arguments.preset;
+  if (!arguments.camera.empty()) text += ", camera " + arguments.camera;
+  return fmt::format("{}, seed {}", text, arguments.seed);
 }
 
 Result<void> simulate(const SimulateArguments& arguments) {
-  const auto drive = plan(arguments);
+  const auto drive = arguments.trajectory.empty() ? plan_route(arguments) : plan_trajectory(arguments);
   if (!drive) return drive.error();
   DriveOutput output = arguments.output;
   const auto processors = static_cast<int>(std::thread::hardware_concurrency());
@@ -137,9 +165,10 @@ void add_simulate(CLI::App& app, int& exit_status) {
       ->expected(1)
       ->take_all();
   command->add_option("--frames", output.frames, "The first so many frames")->check(CLI::Range(1, 10000000));
-  command->add_option("--seed", arguments->seed, "Of world, vehicle and sensor")->check(CLI::NonNegativeNumber);
+  command->add_option("--seed", arguments->seed, "Of world, vehicle and sensor")
+      ->check(CLI::Range(0, std::numeric_limits<int>::max()));
   command->add_option("--threads", arguments->threads, "The images are the same with any number")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1024));
   command->add_flag("--depth", output.depth, "Depth images too");
   command->add_flag("--road-masks", output.road_masks, "Images of where the road is too, for run --road-masks");
   command->add_flag("--no-cache", arguments->no_cache, "Neither read nor keep images under the user's cache folder");

@@ -80,6 +80,15 @@ constexpr NamedPreset kPresets[] = {{"kitti", kitti}, {"campus", campus}, {"smal
 
 }  // namespace
 
+const std::vector<std::string_view>& camera_preset_names() {
+  static const std::vector<std::string_view> names = [] {
+    std::vector<std::string_view> all;
+    for (const NamedPreset& preset : kPresets) all.push_back(preset.name);
+    return all;
+  }();
+  return names;
+}
+
 Result<CameraPreset> find_camera_preset(std::string_view name) {
   return internal::make_named(kPresets, name, "preset");
 }

@@ -16,6 +16,9 @@ struct CameraPreset {
   std::vector<double> region_px;  ///< x, y, x, y, ...: where the road is in view; empty: ahead, as `run` has it.
 };
 
+/// Names of the presets, in the order of the docs.
+const std::vector<std::string_view>& camera_preset_names();
+
 /// `kitti`: the left grey camera of KITTI's odometry after rectification, with the distortion that its images still
 /// have. `campus`: a fisheye on the roof that looks to the side, after Zhou et al. 2019. `small`: for tests.
 /// @return kBadInput with the list of names where there is no preset of this one.

@@ -118,8 +118,11 @@ RoadTruth road_truth(const SimulatedDrive& drive, std::size_t frame) {
   const Eigen::Vector3d beneath(camera.x(), surface.ground_y(camera.x(), camera.z()), camera.z());
   RoadTruth truth;
   truth.height_m = surface.ground_normal(camera.x(), camera.z()).dot(camera - beneath);
-  truth.plane = plane_of(drive.camera.region_px.empty() ? road_ahead(surface, moment)
-                                                        : road_in_region(drive.world, moment, drive.camera));
+  const std::vector<RoadPoint> points =
+      drive.camera.region_px.empty() ? road_ahead(surface, moment) : road_in_region(drive.world, moment, drive.camera);
+  constexpr std::size_t kFewest = 3;
+  truth.has_plane = points.size() >= kFewest;
+  if (truth.has_plane) truth.plane = plane_of(points);
   return truth;
 }
 

@@ -34,6 +34,7 @@ Result<SimulatedDrive> drive_along(const Trajectory& poses, const std::vector<do
 struct RoadTruth {
   double height_m = 0.0;  ///< Of the camera, perpendicular to the road beneath it.
   GroundPlane plane;      ///< Best plane over the road in the region where `run` looks for it, in the camera.
+  bool has_plane = true;  ///< Whether road lies there; else `plane` is none.
 };
 RoadTruth road_truth(const SimulatedDrive& drive, std::size_t frame);
 

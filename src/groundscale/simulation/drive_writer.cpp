@@ -66,9 +66,7 @@ class DriveImages {
 
   /// Bytes of a PNG.
   Result<std::string> image(std::size_t frame) {
-    if (!kept_.empty()) {
-      if (auto bytes = read_text(kept_ + "/" + image_name(frame)); bytes) return bytes;
-    }
+    if (auto bytes = kept(frame)) return std::move(*bytes);
     const auto moving = moving_at(frame);
     const Radiance light = renderer_.render(drive_.moments[frame].shutter, pointer(moving));
     // A generator of its own for each frame, so that none depends on which were rendered before.
@@ -116,12 +114,24 @@ class DriveImages {
     return gain_;
   }
 
+  /// Only what is an image of this camera: a file that has lost its end is none.
+  std::optional<std::string> kept(std::size_t frame) const {
+    if (kept_.empty()) return std::nullopt;
+    const std::string path = kept_ + "/" + image_name(frame);
+    const Camera& camera = *drive_.camera.camera;
+    const auto image = read_image(path);
+    if (!image || image->width() != camera.width() || image->height() != camera.height()) return std::nullopt;
+    auto bytes = read_text(path);
+    if (!bytes) return std::nullopt;
+    return std::move(*bytes);
+  }
+
   /// What can't be kept is rendered again the next time.
   void keep(std::size_t frame, const std::string& bytes) {
-    if (kept_.empty()) return;
+    if (kept_.empty() || !keeping_) return;
     std::error_code error;
     fs::create_directories(kept_, error);
-    if (error || !write_text(kept_ + "/" + image_name(frame), bytes)) kept_.clear();
+    keeping_ = !error && write_text(kept_ + "/" + image_name(frame), bytes);
   }
 
   const SimulatedDrive& drive_;
@@ -129,6 +139,7 @@ class DriveImages {
   Exposure exposure_;
   std::optional<Traffic> traffic_;
   std::string kept_;  ///< Folder; empty: nothing is kept.
+  bool keeping_ = true;
   std::size_t metered_ = 0;
   double gain_ = 0.0;
 };
@@ -169,10 +180,11 @@ std::array<std::string, 3> rows_of(const SimulatedDrive& drive, std::size_t fram
   const CameraMoment& moment = drive.moments[frame];
   const RoadTruth truth = road_truth(drive, frame);
   const Eigen::Vector3d& n = truth.plane.normal_in_cam;
+  const std::string plane =
+      truth.has_plane ? fmt::format("{:.6f},{:.9f},{:.9f},{:.9f}", truth.plane.height, n.x(), n.y(), n.z()) : ",,,";
   return {kitti_row(drive.moments.front().world_from_cam.inverse() * moment.world_from_cam),
           fmt::format("{:.6f}", moment.time_s),
-          fmt::format("{},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.6f}", frame, truth.height_m, truth.plane.height, n.x(),
-                      n.y(), n.z(), moment.speed_mps)};
+          fmt::format("{},{:.6f},{},{:.6f}", frame, truth.height_m, plane, moment.speed_mps)};
 }
 
 Result<void> write_camera(const std::string& folder, const SimulatedDrive& drive) {
@@ -204,10 +216,20 @@ Result<void> write_head(const std::string& folder, const SimulatedDrive& drive, 
                   fmt::join(drive.camera.region_px, ", ")));
 }
 
-/// The numbered images of an earlier drive would be frames of this one.
-void remove_images(const std::string& folder) {
+/// What an earlier drive has left in the folder, so that nothing of it passes for this one's.
+void remove_earlier(const std::string& folder) {
   std::error_code ignored;
-  for (std::size_t frame = 0; fs::remove(folder + "/" + image_name(frame), ignored); ++frame) continue;
+  if (fs::exists(folder + "/simulation.yaml", ignored)) {
+    for (const char* name : {"calib.txt", "config.yaml", "poses.txt", "times.txt", "truth.csv"}) {
+      fs::remove(fmt::format("{}/{}", folder, name), ignored);
+    }
+  }
+  // Its numbered images would be frames of this one.
+  for (const char* name : {"image_0", "depth", "road_masks"}) {
+    const std::string images = fmt::format("{}/{}", folder, name);
+    for (std::size_t frame = 0; fs::remove(images + "/" + image_name(frame), ignored); ++frame) continue;
+    fs::remove(images, ignored);  // where it is empty
+  }
 }
 
 /// One image or all of a frame: what was written of it before a failure is removed.
@@ -256,6 +278,35 @@ std::string drive_key(const SimulatedDrive& drive) {
   return hash.text();
 }
 
+namespace {
+
+/// Folders of images, one or more a frame.
+std::vector<std::string> image_folders(const DriveOutput& output) {
+  std::vector<std::string> folders = {"image_0"};
+  if (output.depth) folders.emplace_back("depth");
+  if (output.road_masks) folders.emplace_back("road_masks");
+  return folders;
+}
+
+/// Images, then rows, of a frame; all or nothing.
+Result<void> add_frame(const DriveOutput& output, const SimulatedDrive& drive, std::size_t frame, DriveImages& images,
+                       DriveRows& rows) {
+  std::vector<std::pair<std::string, Result<std::string>>> bytes;
+  bytes.emplace_back("image_0", images.image(frame));
+  if (output.depth) bytes.emplace_back("depth", images.depth(frame));
+  if (output.road_masks) bytes.emplace_back("road_masks", images.road_mask(frame));
+  if (auto done = write_frame(output.folder, frame, bytes); !done) return done;
+  auto done = rows.add(rows_of(drive, frame));
+  if (done) return done;
+  std::error_code ignored;
+  for (const auto& [name, unused] : bytes) {
+    fs::remove(fmt::format("{}/{}/{}", output.folder, name, image_name(frame)), ignored);
+  }
+  return done;
+}
+
+}  // namespace
+
 Result<void> write_drive(const SimulatedDrive& drive, const DriveOutput& output, const std::string& source,
                          const std::function<void(int)>& progress) {
   const auto frames = output.frames > 0 ? static_cast<std::size_t>(output.frames) : drive.moments.size();
@@ -263,35 +314,19 @@ Result<void> write_drive(const SimulatedDrive& drive, const DriveOutput& output,
     return Error{ErrorCode::kBadInput, fmt::format("--frames {}: the drive has {}", frames, drive.moments.size())};
   }
   if (auto free = check_output_folder("--output", output.folder, output.force); !free) return free;
-  std::vector<std::string> folders = {"image_0"};
-  if (output.depth) folders.emplace_back("depth");
-  if (output.road_masks) folders.emplace_back("road_masks");
-  for (const std::string& name : folders) {
+  remove_earlier(output.folder);
+  for (const std::string& name : image_folders(output)) {
     if (auto done = make_output_folder("--output", output.folder + "/" + name); !done) return done;
-    remove_images(output.folder + "/" + name);
   }
-  if (auto done = write_head(output.folder, drive, source); !done) return done;
+  const auto stopped = [frames](const Error& error, std::size_t whole) {
+    return Error{error.code, fmt::format("{} ({} of {} frames are written and whole)", error.message, whole, frames)};
+  };
+  if (auto done = write_head(output.folder, drive, source); !done) return stopped(done.error(), 0);
   auto rows = DriveRows::create(output.folder);
-  if (!rows) return rows.error();
-
+  if (!rows) return stopped(rows.error(), 0);
   DriveImages images(drive, output.cache_folder, output.threads);
   for (std::size_t k = 0; k < frames; ++k) {
-    std::vector<std::pair<std::string, Result<std::string>>> bytes;
-    bytes.emplace_back("image_0", images.image(k));
-    if (output.depth) bytes.emplace_back("depth", images.depth(k));
-    if (output.road_masks) bytes.emplace_back("road_masks", images.road_mask(k));
-    Result<void> done = write_frame(output.folder, k, bytes);
-    if (done) {
-      done = rows->add(rows_of(drive, k));
-      for (const std::string& name : folders) {
-        std::error_code ignored;
-        if (!done) fs::remove(fmt::format("{}/{}/{}", output.folder, name, image_name(k)), ignored);
-      }
-    }
-    if (!done) {
-      return Error{done.error().code,
-                   fmt::format("{} ({} of {} frames are written and whole)", done.error().message, k, frames)};
-    }
+    if (auto done = add_frame(output, drive, k, images, *rows); !done) return stopped(done.error(), k);
     progress(static_cast<int>(k) + 1);
   }
   return {};

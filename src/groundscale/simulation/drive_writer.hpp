@@ -27,7 +27,7 @@ std::string user_cache_folder();
 std::string drive_key(const SimulatedDrive& drive);
 
 /// Renders a drive into a KITTI odometry folder (docs/simulation.md). Rows and images grow together: what is there
-/// after a failure is a shorter drive.
+/// after a failure is a shorter drive. A kept image that can't be decoded or has another size is rendered again.
 /// @param source    How the drive can be had again, for `simulation.yaml`.
 /// @param progress  Called after each frame with how many are done.
 /// @return kBadInput where the folder holds something and `force` isn't set, and where the drive is shorter than

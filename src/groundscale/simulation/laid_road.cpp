@@ -241,13 +241,13 @@ void bank(std::vector<PathPoint>& places, const Track& track, const RoadProfile&
 
 Result<void> check_steps(const std::vector<RigidTransform>& poses) {
   constexpr double kJumpM = 10.0;
-  if (poses.size() < 2) return Error{ErrorCode::kBadInput, "a drive needs two poses at least, there is one"};
+  if (poses.size() < 2) return Error{ErrorCode::kBadInput, "there is one pose, a drive needs two at least"};
   for (std::size_t k = 1; k < poses.size(); ++k) {
     const double step = (poses[k].translation - poses[k - 1].translation).norm();
     if (step > kJumpM) {
       return Error{ErrorCode::kBadInput,
-                   fmt::format("pose {} lies {:.1f} m from the one before; up to {} m can be driven "
-                               "from frame to frame",
+                   fmt::format("pose {}, counted from 0, lies {:.1f} m from the one before; up to {} m can be "
+                               "driven from frame to frame",
                                k, step, kJumpM)};
     }
   }
@@ -272,6 +272,21 @@ Result<void> check_progress(const std::vector<PathPoint>& places) {
                  fmt::format("the poses turn back on themselves {:.0f} m from the start; a road can only be laid under "
                              "a vehicle that drives forwards",
                              static_cast<double>(k) * kSpacingM)};
+  }
+  return {};
+}
+
+/// A road along the way of a vehicle that reverses all the time would lie behind its camera.
+Result<void> check_heading(const LaidRoad& road, const Eigen::Vector3d& forward_in_cam) {
+  for (std::size_t k = 0; k < road.world_from_cam.size(); ++k) {
+    const Eigen::Vector3d forward = road.world_from_cam[k].rotation * forward_in_cam;
+    if (road.path.at(road.distance_m[k]).forward().dot(forward) > 0.0) continue;
+    return Error{
+        ErrorCode::kBadInput,
+        fmt::format("at pose {}, counted from 0, the vehicle points against its way; a road can only be laid "
+                    "under a vehicle that drives forwards. If the camera looks to the side or back, rig.yaw_deg "
+                    "must say so",
+                    k)};
   }
   return {};
 }
@@ -327,6 +342,7 @@ Result<LaidRoad> lay_road(const Trajectory& given, const CameraRig& rig, const R
     const Eigen::Vector3d right = road.path.at(road.distance_m[k]).right();
     pose.rotation = exp_so3(-std::atan(correction.slope_at(distance[k])) * right) * pose.rotation;
   }
+  if (auto checked = check_heading(road, rig.mounting().forward_in_cam()); !checked) return checked.error();
   return road;
 }
 

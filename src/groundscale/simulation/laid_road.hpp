@@ -27,9 +27,9 @@ struct LaidRoad {
 /// Poses are raised by c and pitched by c', so that they lie to the road as before.
 ///
 /// @param given  In any world; its down is taken from the rig's mean normal.
-/// @return kBadInput where the poses are fewer than two, jump by more than 10 m, go nowhere (less than 5 m), or turn
-/// more
-///         tightly than the road's half width. Rotations and numbers are the reader's to check.
+/// @return kBadInput where the poses are fewer than two, jump by more than 10 m, go nowhere (less than 5 m), point
+///         against their way, or turn more tightly than the road's half width. Rotations and numbers are the reader's
+///         to check.
 Result<LaidRoad> lay_road(const Trajectory& given, const CameraRig& rig, const RoadProfile& profile);
 
 }  // namespace groundscale

@@ -85,21 +85,17 @@ class Shading {
       light.whole = light.whole && rays.valid[k];
     }
     const auto sunlight = sunlight_at(rays, hits);
-    double even_albedo = 0.0;
+    const auto shared = light.edge || !hits[0] ? std::nullopt : albedo_of_pixel(hits, rays.direction[0]);
     for (std::size_t k = 0; k < kPacket; ++k) {
       if (!rays.valid[k]) continue;
       if (!hits[k]) {
         light.sum += sky(rays.direction[k]);
         continue;
       }
-      // Over one surface two rays of the four, on a diagonal, tell what it is made of.
-      if (light.edge || k == 0 || k + 1 == kPacket) {
-        constexpr double kTwoOfFour = 1.41;
-        even_albedo = albedo_of(*hits[k], rays.direction[k], light.edge ? share : kTwoOfFour * share);
-      }
+      const double value = shared ? *shared : albedo_of_ray(*hits[k], rays.direction[k], share);
       // Half of the sky is over a wall, all of it over the ground.
       const double open = 0.5 - 0.5 * hits[k]->normal.y();
-      light.sum += even_albedo * (kSkyLight * (0.3 + 0.7 * open) + sunlight[k]) + glint(*hits[k], rays.direction[k]);
+      light.sum += value * (kSkyLight * (0.3 + 0.7 * open) + sunlight[k]) + glint(*hits[k], rays.direction[k]);
     }
     return light;
   }
@@ -123,12 +119,39 @@ class Shading {
     return light;
   }
 
-  double albedo_of(const RayHit& hit, const Eigen::Vector3d& direction, double share) const {
-    // Of a pixel's share seen at a slant, the side of a square of the same area.
+  double albedo_at(int material, const Eigen::Vector2d& uv, double footprint) const {
+    return albedo(material, uv, footprint, {world_.options.asphalt, world_.options.profile}, world_.options.seed);
+  }
+
+  /// Over a square of the area that a ray stands for.
+  double albedo_of_ray(const RayHit& hit, const Eigen::Vector3d& direction, double share) const {
     const double slant = std::max(0.02, -hit.normal.dot(direction));
-    const double footprint = share * hit.distance_m / focal_px_ / std::sqrt(slant);
-    return albedo(hit.material, hit.uv, footprint, {world_.options.asphalt, world_.options.profile},
-                  world_.options.seed);
+    return albedo_at(hit.material, hit.uv, share * hit.distance_m / focal_px_ / std::sqrt(slant));
+  }
+
+  /// Over a pixel on one surface. At a slant it is long and narrow: a square of the same area would leave waves along
+  /// it that are sampled too thinly, and what is seen would not lie where it is. So there are places along it.
+  /// @return Nothing where the surface's coordinates jump between the rays.
+  std::optional<double> albedo_of_pixel(const std::array<std::optional<RayHit>, kPacket>& hits,
+                                        const Eigen::Vector3d& direction) const {
+    // The rays lie half of a pixel apart.
+    const Eigen::Vector2d across = hits[1]->uv - hits[0]->uv + hits[3]->uv - hits[2]->uv;
+    const Eigen::Vector2d down = hits[2]->uv - hits[0]->uv + hits[3]->uv - hits[1]->uv;
+    const Eigen::Vector2d& along = across.squaredNorm() > down.squaredNorm() ? across : down;
+    const double slant = std::max(0.02, -hits[0]->normal.dot(direction));
+    const double width = hits[0]->distance_m / focal_px_;
+    const double length = along.norm();
+    constexpr double kJump = 2.5;
+    if (length > kJump * width / slant) return std::nullopt;
+    constexpr double kMostPlaces = 4.0;
+    const auto count = static_cast<int>(std::clamp(std::round(length / width), 1.0, kMostPlaces));
+    const double footprint = std::max(width, length / count);
+    const Eigen::Vector2d middle = 0.25 * (hits[0]->uv + hits[1]->uv + hits[2]->uv + hits[3]->uv);
+    double sum = 0.0;
+    for (int k = 0; k < count; ++k) {
+      sum += albedo_at(hits[0]->material, middle + ((k + 0.5) / count - 0.5) * along, footprint);
+    }
+    return sum / count;
   }
 
   /// What of the sky a smooth surface mirrors (Schlick 1994); below the horizon it mirrors a street in shade.
