@@ -7,6 +7,7 @@
 #include "commands.hpp"
 #include "groundscale/experiments/drives.hpp"
 #include "groundscale/experiments/experiment.hpp"
+#include "groundscale/experiments/realism.hpp"
 
 namespace groundscale {
 namespace {
@@ -70,8 +71,47 @@ void add_drives(CLI::App& parent, int& exit_status) {
   });
 }
 
+void add_realism(CLI::App& parent, int& exit_status) {
+  struct Arguments {
+    ExperimentRequest request;
+    RealismOptions options;
+    RunSettings settings;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  RealismOptions& options = arguments->options;
+  CLI::App* command = parent.add_subcommand(kRealismName, kRealismSummary);
+  add_common(*command, arguments->request);
+  command
+      ->add_option("--clips", options.clips,
+                   "Folder with real drives: NN/image_0, NN/calib.txt, and NN/poses.txt and NN/times.txt with a row an "
+                   "image")
+      ->required()
+      ->option_text("PATH");
+  command
+      ->add_option("--kitti", options.drives.kitti, "Folder with the whole poses/NN.txt and times of their sequences")
+      ->required()
+      ->option_text("PATH");
+  command->add_option("--sequences", options.drives.sequences, "Which (default 00,07)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->option_text("NN,NN,...");
+  command->add_option("--pair", options.pair_frame, "Frame that is shown as a pair of pictures (100)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--seed", options.drives.seed, "Of world, sensor and run")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", options.drives.threads, "For rendering; the images are the same with any number")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--set", arguments->settings.assignments, "KEY=VALUE of the run's configuration")
+      ->expected(1)
+      ->take_all();
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    arguments->settings.seed = arguments->options.drives.seed;
+    exit_status = finish(run_realism(arguments->options, arguments->settings, arguments->request));
+  });
+}
+
 /// Every experiment: a function that adds its subcommand.
-constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives};
+constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives, add_realism};
 
 std::string list_of(const CLI::App& command) {
   std::string text;

@@ -124,7 +124,8 @@ Result<std::vector<DriveChoice>> choose_drives(const DriveOptions& options) {
   if (!all) return all.error();
   std::vector<DriveChoice> drives;
   for (const Wanted& wanted : *all) {
-    auto drive = options.kitti.empty() ? along_route(wanted, camera->options.rate_hz) : along_poses(wanted, options.kitti);
+    auto drive =
+        options.kitti.empty() ? along_route(wanted, camera->options.rate_hz) : along_poses(wanted, options.kitti);
     if (!drive) return drive.error();
     drives.push_back(std::move(*drive));
   }

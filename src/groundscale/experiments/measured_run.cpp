@@ -1,5 +1,7 @@
 #include "groundscale/experiments/measured_run.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -55,6 +57,10 @@ void take_fields(const Json& evaluation, const Json& summary, const Json& proces
     const Json& value = figure.at("value");
     run.figures[name] = value.is_null() ? std::nullopt : std::optional(value.get<double>());
   }
+  for (const auto& [name, value] : summary.at("matching").items())
+    run.figures["matching_" + name] = value.get<double>();
+  run.refused_share = 1.0 - summary.at("accepted_measurements").get<double>() /
+                                std::max(1.0, summary.at("states").at("moving").get<double>());
   run.moving_steps = evaluation.at("moving").at("steps").get<int>();
   run.turn_steps = evaluation.at("turns").at("steps").get<int>();
   run.frames = summary.at("frames").get<int>();

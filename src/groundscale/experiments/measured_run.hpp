@@ -23,8 +23,10 @@ struct RunSettings {
 /// A run and its comparison with the truth, as they were done and measured.
 struct MeasuredRun {
   std::string folder;
-  std::vector<std::string> commands;                     ///< `run` and `evaluate`, by hand.
-  std::map<std::string, std::optional<double>> figures;  ///< By the names of docs/evaluation.md.
+  std::vector<std::string> commands;  ///< `run` and `evaluate`, by hand.
+  /// By the names of docs/evaluation.md; those of `matching` in summary.json (docs/formats.md) as `matching_...`.
+  std::map<std::string, std::optional<double>> figures;
+  double refused_share = 0.0;  ///< Of moving frames.
   int frames = 0;
   int moving_steps = 0;
   int turn_steps = 0;

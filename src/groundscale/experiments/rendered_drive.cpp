@@ -16,13 +16,14 @@ Result<std::string> key_of(DriveChoice drive, const DriveOptions& options) {
     if (!digest) return digest.error();
     *file = *digest;
   }
-  return fmt::format("{}, world {}\n{}\n", program_version(), kWorldVersion, shell_line(simulate_arguments(drive, options)));
+  return fmt::format("{}, world {}\n{}\n", program_version(), kWorldVersion,
+                     shell_line(simulate_arguments(drive, options)));
 }
 
 }  // namespace
 
 Result<RenderedDrive> obtain_drive(const DriveChoice& drive, const DriveOptions& options, const std::string& folder,
-                                    const ExperimentRequest& request) {
+                                   const ExperimentRequest& request) {
   const auto key = key_of(drive, options);
   if (!key) return key.error();
   std::vector<std::string> arguments = simulate_arguments(drive, options);

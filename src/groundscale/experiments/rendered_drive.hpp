@@ -23,6 +23,6 @@ struct RenderedDrive {
 /// @return kIo where rendering fails, which has said why on the standard error; kBadInput where `folder` is somebody
 /// else's.
 Result<RenderedDrive> obtain_drive(const DriveChoice& drive, const DriveOptions& options, const std::string& folder,
-                                    const ExperimentRequest& request);
+                                   const ExperimentRequest& request);
 
 }  // namespace groundscale

@@ -1,8 +1,10 @@
 #include "groundscale/odometry/run_writer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <numeric>
 #include <string_view>
 #include <system_error>
 
@@ -62,13 +64,10 @@ std::string summary_json(const RunSummary& s) {
       {"moving", s.moving}, {"still", s.still}, {"rotating", s.rotating}, {"bridged", s.bridged}, {"lost", s.lost}};
   json["accepted_measurements"] = s.accepted;
   const MatchingFigures& m = s.matching;
-  json["matching"] = {{"track_length_frames", m.track_length},
-                      {"matches", m.matches},
-                      {"inlier_ratio", m.inlier_ratio},
-                      {"rms_px", m.rms_px},
-                      {"road_matches", m.road_matches},
-                      {"road_inlier_ratio", m.road_inlier_ratio},
-                      {"road_rms_px", m.road_rms_px}};
+  json["matching"] = {{"track_length_frames", m.track_length}, {"matches", m.matches},
+                      {"inlier_ratio", m.inlier_ratio},        {"rms_px", m.rms_px},
+                      {"road_matches", m.road_matches},        {"road_inlier_ratio", m.road_inlier_ratio},
+                      {"road_rms_px", m.road_rms_px},          {"pitch_sd_deg", m.pitch_sd_deg}};
   json["first_scaled_frame"] = nullptr;
   if (s.first_scaled_frame) json["first_scaled_frame"] = *s.first_scaled_frame;
   json["warnings"] = s.warnings;
@@ -78,8 +77,17 @@ std::string summary_json(const RunSummary& s) {
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
+double sd_of(const std::vector<double>& values) {
+  if (values.size() < 2) return 0.0;
+  const auto count = static_cast<double>(values.size());
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+  double squares = 0.0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return std::sqrt(squares / (count - 1.0));
+}
+
 MatchingFigures matching_figures(const std::vector<FrameResult>& results) {
-  std::vector<double> matches, inlier_ratio, rms_px, road_matches, road_inlier_ratio, road_rms_px;
+  std::vector<double> matches, inlier_ratio, rms_px, road_matches, road_inlier_ratio, road_rms_px, pitches;
   double seen = 0.0;
   double begun = 0.0;
   for (const FrameResult& r : results) {
@@ -93,6 +101,7 @@ MatchingFigures matching_figures(const std::vector<FrameResult>& results) {
     road_matches.push_back(r.road_matches);
     road_inlier_ratio.push_back(static_cast<double>(r.road_inliers) / r.road_matches);
     road_rms_px.push_back(r.road_rms_px);
+    if (r.accepted()) pitches.push_back(*r.pitch_rad / kDegree);
   }
   MatchingFigures figures;
   figures.track_length = begun > 0.0 ? seen / begun : 0.0;
@@ -104,6 +113,7 @@ MatchingFigures matching_figures(const std::vector<FrameResult>& results) {
   figures.road_matches = median(road_matches);
   figures.road_inlier_ratio = median(road_inlier_ratio);
   figures.road_rms_px = median(road_rms_px);
+  figures.pitch_sd_deg = sd_of(pitches);
   return figures;
 }
 

@@ -20,7 +20,8 @@ struct MatchingFigures {
   double rms_px = 0.0;  ///< Epipolar error of inliers.
   double road_matches = 0.0;
   double road_inlier_ratio = 0.0;
-  double road_rms_px = 0.0;  ///< Transfer error of inliers.
+  double road_rms_px = 0.0;   ///< Transfer error of inliers.
+  double pitch_sd_deg = 0.0;  ///< Of the road's plane over accepted measurements.
 };
 
 /// What a run was made of and what came of it, for summary.json and the table at the end.
