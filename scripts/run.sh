@@ -19,7 +19,7 @@ build() {
 run_simulated() {
   local drive=groundscale-out/simulated/drive results=groundscale-out/simulated/run
   echo "run.sh: rendering 150 frames (a minute or two, the first time)" >&2
-  "$program" simulate --route city --frames 150 --set edge_samples=2 --output "$drive" --force >&2
+  "$program" simulate --route city --frames 150 --output "$drive" --force >&2
   "$program" run "$drive" --output "$results" --force
   echo
   # The final trajectory's figures; those of the online one and of single measurements follow them.

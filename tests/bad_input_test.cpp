@@ -248,7 +248,7 @@ std::vector<Row> frame_rows() {
        [](const Setting& s) {
          return s.run({"--start", "12"});
        }},
-      {"times with another number of rows than there are images", 2, "it must have a row an image",
+      {"times with another number of rows than there are images", 2, "it must have a row each",
        [](const Setting& s) {
          s.write("drive/times.txt", "0\n0.1\n");
          return s.run();

@@ -315,7 +315,7 @@ int count_images(const std::string& folder) {
 /// As many rows as images everywhere. @return how many.
 int whole_frames(const std::string& drive, const std::vector<std::string>& folders) {
   const int frames = count_images(drive + "/image_0");
-  for (const std::string& name : folders) EXPECT_EQ(count_images(drive + "/" + name), frames) << name;
+  for (const std::string& name : folders) EXPECT_EQ(count_images(fmt::format("{}/{}", drive, name)), frames) << name;
   for (const char* name : {"poses.txt", "times.txt"}) EXPECT_EQ(count_rows(drive + "/" + name), frames) << name;
   EXPECT_EQ(count_rows(drive + "/truth.csv", 1), frames);
   return frames;

@@ -99,6 +99,16 @@ TEST(Render, RoadPixelsLieWhereTheTruthSays) {
   EXPECT_LT(squares_moved, 0.25 * squares_unmoved);
 }
 
+TEST(RoadTruth, HasNoPlaneWhereTheRegionShowsNoRoad) {
+  CameraPreset camera = small_camera();
+  camera.region_px = {0.0, 100.0, 479.0, 100.0, 479.0, 199.0, 0.0, 199.0};
+  SimulatedDrive drive = drive_along(plain_route({{100.0, 0.0}}, 10.0), camera, 3);
+  EXPECT_TRUE(road_truth(drive, 0).has_plane);
+  drive.camera.region_px = {0.0, 0.0, 479.0, 0.0, 479.0, 20.0, 0.0, 20.0};  // sky
+  EXPECT_FALSE(road_truth(drive, 0).has_plane);
+  EXPECT_GT(road_truth(drive, 0).height_m, 1.6);
+}
+
 TEST(Render, IsTheSameWithAnyNumberOfThreads) {
   const CameraPreset preset = find_camera_preset("small").value();
   const SimulatedDrive drive = drive_along(find_route("city").value(), preset, 1);

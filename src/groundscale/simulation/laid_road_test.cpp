@@ -1,5 +1,6 @@
 #include "groundscale/simulation/laid_road.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -109,10 +110,10 @@ std::string refusal(const Trajectory& poses) {
 TEST(LaidRoad, SaysWhyItCanNotBeLaid) {
   Trajectory one;
   one.world_from_cam.push_back({});
-  EXPECT_THAT(refusal(one), HasSubstr("two poses at least"));
+  EXPECT_THAT(refusal(one), HasSubstr("there is one pose, a drive needs two at least"));
   Trajectory jump = poses_over(Path::of_pieces({{60.0, 0.0}}, {}), 1.0);
   jump.world_from_cam[20].translation.x() = 300.0;
-  EXPECT_THAT(refusal(jump), HasSubstr("pose 20 lies 300.0 m from the one before"));
+  EXPECT_THAT(refusal(jump), HasSubstr("pose 20, counted from 0, lies 300.0 m from the one before"));
   const Trajectory standing{std::vector<RigidTransform>(50), {}};
   EXPECT_THAT(refusal(standing), HasSubstr("a road needs 5 m"));
   EXPECT_THAT(
@@ -123,6 +124,11 @@ TEST(LaidRoad, SaysWhyItCanNotBeLaid) {
     reversing.world_from_cam.push_back(reversing.world_from_cam[k]);
   }
   EXPECT_THAT(refusal(reversing), HasSubstr("the poses turn back on themselves 40 m from the start"));
+  Trajectory backwards = poses_over(Path::of_pieces({{40.0, 0.0}}, {}), 0.5);
+  std::reverse(backwards.world_from_cam.begin(), backwards.world_from_cam.end());
+  EXPECT_THAT(refusal(backwards), HasSubstr("at pose 0, counted from 0, the vehicle points against its way"));
+  // A camera that looks back, on a vehicle that drives forwards.
+  EXPECT_TRUE(lay_road(backwards, {.yaw_deg = 180.0}, {}));
 }
 
 }  // namespace
