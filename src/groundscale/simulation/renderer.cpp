@@ -86,8 +86,11 @@ class Shading {
     const auto surface = [&hits](std::size_t k) { return hits[k] ? hits[k]->mesh : -1; };
     for (std::size_t k = 0; k < kPacket; ++k) {
       if (surface(k) != surface(0)) light.edge = true;
+    }
+    const Eigen::Vector2d along = side == kSide && !light.edge && hits[0] ? longer_side(hits) : Eigen::Vector2d::Zero();
+    for (std::size_t k = 0; k < kPacket; ++k) {
       if (!rays.valid[k]) continue;
-      light.sum += hits[k] ? reflected(*hits[k], rays.direction[k], side,
+      light.sum += hits[k] ? reflected(*hits[k], rays.direction[k], {side, static_cast<int>(k) % side, along},
                                        to_sun.valid[k] && !shadow[k] ? kSunLight * facing[k] : 0.0)
                            : sky(rays.direction[k]);
     }
@@ -95,12 +98,47 @@ class Shading {
   }
 
  private:
-  double reflected(const RayHit& hit, const Eigen::Vector3d& direction, int side, double sunlight) const {
-    // Of a pixel's share seen at a slant, the side of a square of the same area.
+  /// What a ray stands for.
+  struct Share {
+    int side = kSide;                                 ///< The pixel has so many rays a side.
+    int column = 0;                                   ///< Place of the ray among those.
+    Eigen::Vector2d along = Eigen::Vector2d::Zero();  ///< Its longer side on the surface; zero where it isn't known.
+  };
+
+  /// The longer side of what a ray of four on one surface stands for, in the surface's coordinates.
+  static Eigen::Vector2d longer_side(const std::array<std::optional<RayHit>, kPacket>& hits) {
+    const Eigen::Vector2d across = 0.5 * (hits[1]->uv - hits[0]->uv + hits[3]->uv - hits[2]->uv);
+    const Eigen::Vector2d down = 0.5 * (hits[2]->uv - hits[0]->uv + hits[3]->uv - hits[1]->uv);
+    return across.squaredNorm() > down.squaredNorm() ? across : down;
+  }
+
+  /// Albedo averaged over what a ray stands for. At a slant that is long and narrow: what a square of the same area
+  /// leaves of waves along it is sampled too thinly, and flickers from frame to frame. So there are places along it, of
+  /// which the two rays of a row have every other one.
+  double averaged_albedo(const RayHit& hit, const Eigen::Vector3d& direction, const Share& share) const {
     const double slant = std::max(0.02, -hit.normal.dot(direction));
-    const double footprint = hit.distance_m / (focal_px_ * side) / std::sqrt(slant);
-    const double value =
-        albedo(hit.material, hit.uv, footprint, {world_.options.asphalt, world_.options.profile}, world_.options.seed);
+    const double width = hit.distance_m / (focal_px_ * share.side);
+    const double length = width / slant;
+    const auto at = [&](const Eigen::Vector2d& uv, double footprint) {
+      return albedo(hit.material, uv, footprint, {world_.options.asphalt, world_.options.profile}, world_.options.seed);
+    };
+    constexpr double kSquareOn = 0.7;
+    constexpr double kJump = 2.0;  // coordinates that jump from one ray to the next are no measure
+    const double measured = share.along.norm();
+    if (slant > kSquareOn || measured == 0.0 || measured > kJump * length) return at(hit.uv, std::sqrt(width * length));
+    constexpr double kLongFrom = 1.0 / 3.0;
+    const int count = slant < kLongFrom ? 2 : 1;
+    const double footprint = std::max(width, 0.5 * length / count);
+    double sum = 0.0;
+    for (int k = 0; k < count; ++k) {
+      const double place = (k + 0.25 + 0.5 * share.column) / count - 0.5;
+      sum += at(hit.uv + place * share.along, footprint);
+    }
+    return sum / count;
+  }
+
+  double reflected(const RayHit& hit, const Eigen::Vector3d& direction, const Share& share, double sunlight) const {
+    const double value = averaged_albedo(hit, direction, share);
     // Half of the sky is over a wall, all of it over the ground.
     const double open = 0.5 - 0.5 * hit.normal.y();
     return value * (kSkyLight * (0.3 + 0.7 * open) + sunlight);

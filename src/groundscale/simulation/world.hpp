@@ -9,7 +9,7 @@
 namespace groundscale {
 
 /// What a seed makes of a world changes only with this number.
-inline constexpr int kWorldVersion = 1;
+inline constexpr int kWorldVersion = 2;
 
 struct WorldOptions {
   std::uint64_t seed = 0;
