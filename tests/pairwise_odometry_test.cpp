@@ -130,6 +130,21 @@ TEST(PairwiseOdometry, RawStepsFromBeforeTheScaleWasKnownAreMetres) {
   EXPECT_GE(refused, 3);
 }
 
+TEST(PairwiseOdometry, InAPolygonAllRoadPointsCountTheSame) {
+  // A region beside the vehicle has no driven path to weight its points by: with a strip the weights matter.
+  const auto last_raw = [](double weight_sd_m, const std::vector<double>& polygon_px) {
+    OdometryOptions options;
+    options.road.region.weight_sd_m = weight_sd_m;
+    options.road.region.polygon_px = polygon_px;
+    const PairwiseOdometry odometry = run({street().begin(), street().begin() + 4}, options);
+    return odometry.results().back().raw_over_online.value_or(0.0);
+  };
+  const std::vector<double> lower_left{60.0, 230.0, 250.0, 125.0, 310.0, 125.0, 310.0, 230.0};
+  EXPECT_GT(last_raw(0.3, lower_left), 0.0);
+  EXPECT_EQ(last_raw(0.3, lower_left), last_raw(3.0, lower_left));
+  EXPECT_NE(last_raw(0.3, {}), last_raw(3.0, {}));
+}
+
 TEST(PairwiseOdometry, IsTheSameToTheLastBitWhenRunAgain) {
   const PairwiseOdometry a = run(street());
   const PairwiseOdometry b = run(street());

@@ -59,7 +59,8 @@ void visit_fields(RegionOptions& options, FieldVisitor& visitor) {
       options.turn_far_m);
   visitor.field({.key = "weight_sd_m",
                  .unit = "m",
-                 .help = "road points count less the farther they lie from the path (roads fall off to their sides)",
+                 .help = "road points count less the farther they lie from the path (roads fall off to their sides); "
+                         "with polygon_px all count the same",
                  .min = 0.1,
                  .max = 100},
                 options.weight_sd_m);

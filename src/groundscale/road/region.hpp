@@ -20,7 +20,7 @@ struct RegionOptions {
   double max_turn_deg = 20.0;  ///< Beyond this turn of the path the strip goes straight on,
   double turn_far_m = 12.0;    ///< and ends here, along the path, or where the turn is reached.
   double weight_sd_m = 0.7;    ///< Points count by exp(-u^2 / 2 sd^2), u from the path: roads fall off to their sides.
-  std::vector<double> polygon_px;  ///< x, y, x, y, ...: a fixed region of the image instead.
+  std::vector<double> polygon_px;  ///< x, y, x, y, ...: a fixed region of the image instead; its points count the same.
 };
 
 void visit_fields(RegionOptions& options, FieldVisitor& visitor);
