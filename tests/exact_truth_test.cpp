@@ -90,7 +90,7 @@ double largest_ray_error_px(const SimulatedDrive& drive, std::size_t first) {
       const auto hit = drive.world.scene.hit(world_from_cam1.translation, direction);
       constexpr double kFarM = 60.0;
       if (!hit || !is_road(hit->material) || hit->distance_m > kFarM) continue;
-      const Eigen::Vector3d place = world_from_cam1.translation + hit->distance_m * direction;
+      const Eigen::Vector3d place = world_from_cam1.translation + static_cast<double>(hit->distance_m) * direction;
       const auto seen = camera.project(cam2_from_world * place);
       const auto mapped = camera.project(homography * *ray);
       if (!seen || !mapped) continue;

@@ -60,7 +60,7 @@ std::vector<RoadPoint> road_in_region(const World& world, const CameraMoment& mo
       const auto ray = camera.camera->ray({static_cast<double>(x), static_cast<double>(y)});
       if (!ray) continue;
       const auto hit = world.scene.hit(moment.world_from_cam.translation, moment.world_from_cam.rotation * *ray);
-      if (hit && is_road(hit->material)) points.push_back({hit->distance_m * *ray, 1.0});
+      if (hit && is_road(hit->material)) points.push_back({static_cast<double>(hit->distance_m) * *ray, 1.0});
     }
   }
   return points;

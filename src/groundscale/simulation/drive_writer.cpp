@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <future>
 #include <optional>
 #include <utility>
 
@@ -54,11 +55,14 @@ std::string image_name(std::size_t frame) { return fmt::format("{:06d}.png", fra
 /// The images of a drive, from where they were kept or rendered anew; in any order, quickest in that of the frames.
 class DriveImages {
  public:
-  DriveImages(const SimulatedDrive& drive, const std::string& cache_folder, int threads)
+  DriveImages(const SimulatedDrive& drive, std::size_t frames, const DriveOutput& output)
       : drive_(drive),
-        renderer_(drive.world, drive.camera.camera, {.edge_rays = drive.camera.options.edge_rays, .threads = threads}),
+        frames_(frames),
+        ahead_(output.threads > 1),
+        renderer_(drive.world, drive.camera.camera,
+                  {.edge_rays = drive.camera.options.edge_rays, .threads = output.threads}),
         exposure_(drive.camera.options.sensor) {
-    if (!cache_folder.empty()) kept_ = cache_folder + "/" + drive_key(drive);
+    if (!output.cache_folder.empty()) kept_ = output.cache_folder + "/" + drive_key(drive);
     if (drive.camera.options.traffic.on) {
       traffic_.emplace(drive.world.surface, states_of(drive.moments), drive.camera.options.traffic, drive.seed);
     }
@@ -67,8 +71,7 @@ class DriveImages {
   /// Bytes of a PNG.
   Result<std::string> image(std::size_t frame) {
     if (auto bytes = kept(frame)) return std::move(*bytes);
-    const auto moving = moving_at(frame);
-    const Radiance light = renderer_.render(drive_.moments[frame].shutter, pointer(moving));
+    const Radiance light = take_light(frame);
     // A generator of its own for each frame, so that none depends on which were rendered before.
     Rng rng(drive_.seed + 0x9e3779b97f4a7c15ULL * (frame + 1));
     auto bytes = encode_image(expose(light, gain(frame), drive_.camera.options.sensor, rng), ".png");
@@ -95,6 +98,25 @@ class DriveImages {
       states.push_back({moment.time_s, moment.distance_m, moment.speed_mps, 0.0});
     }
     return states;
+  }
+
+  Radiance render(std::size_t frame) const {
+    const auto moving = moving_at(frame);
+    return renderer_.render(drive_.moments[frame].shutter, pointer(moving));
+  }
+
+  /// The frame's light, and the next one's is begun: the processors have something to do while this one is exposed,
+  /// encoded and written.
+  Radiance take_light(std::size_t frame) {
+    Radiance light = coming_.valid() && coming_frame_ == frame ? coming_.get() : render(frame);
+    coming_frame_ = frame + 1;
+    std::error_code ignored;
+    const bool wanted =
+        coming_frame_ < frames_ && (kept_.empty() || !fs::exists(kept_ + "/" + image_name(frame + 1), ignored));
+    if (ahead_ && wanted) {
+      coming_ = std::async(std::launch::async, [this, next = coming_frame_] { return render(next); });
+    }
+    return light;
   }
 
   std::optional<RayScene> moving_at(std::size_t frame) const {
@@ -135,6 +157,8 @@ class DriveImages {
   }
 
   const SimulatedDrive& drive_;
+  std::size_t frames_;
+  bool ahead_;  ///< Render a frame while the one before is written.
   Renderer renderer_;
   Exposure exposure_;
   std::optional<Traffic> traffic_;
@@ -142,6 +166,8 @@ class DriveImages {
   bool keeping_ = true;
   std::size_t metered_ = 0;
   double gain_ = 0.0;
+  std::size_t coming_frame_ = 0;
+  std::future<Radiance> coming_;  ///< Last, so that it ends before what it uses.
 };
 
 /// The files with a row a frame.
@@ -261,8 +287,8 @@ std::string user_cache_folder() {
 std::string drive_key(const SimulatedDrive& drive) {
   Hash hash;
   // Embree's instruction set decides the last bits of what rays meet.
-  hash.add(fmt::format("world {}, SSE 4.2, seed {}, {} x {}\n", kWorldVersion, drive.seed, drive.camera.camera->width(),
-                       drive.camera.camera->height()));
+  hash.add(fmt::format("world {}, {}, seed {}, {} x {}\n", kWorldVersion, RayScene::instruction_set(), drive.seed,
+                       drive.camera.camera->width(), drive.camera.camera->height()));
   hash.add(options_text(drive));
   const Renderer renderer(drive.world, drive.camera.camera, {});
   hash.add(renderer.rays().data(), renderer.rays().size() * sizeof(Eigen::Vector3f));
@@ -324,7 +350,7 @@ Result<void> write_drive(const SimulatedDrive& drive, const DriveOutput& output,
   if (auto done = write_head(output.folder, drive, source); !done) return stopped(done.error(), 0);
   auto rows = DriveRows::create(output.folder);
   if (!rows) return stopped(rows.error(), 0);
-  DriveImages images(drive, output.cache_folder, output.threads);
+  DriveImages images(drive, frames, output);
   for (std::size_t k = 0; k < frames; ++k) {
     if (auto done = add_frame(output, drive, k, images, *rows); !done) return stopped(done.error(), k);
     progress(static_cast<int>(k) + 1);

@@ -1,6 +1,7 @@
 #include "groundscale/simulation/ray_scene.hpp"
 
 #include <limits>
+#include <string>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -30,16 +31,19 @@ void aim(Ray& ray, const Eigen::Vector3d& origin, const Eigen::Vector3d& directi
   ray.flags = 0;
 }
 
-template <class Rays>
-void aim4(Rays& rays, int (&valid)[4], const RayPacket& packet) {
-  for (std::size_t k = 0; k < 4; ++k) {
-    valid[k] = packet.valid[k] ? -1 : 0;
-    rays.org_x[k] = static_cast<float>(packet.origin[k].x());
-    rays.org_y[k] = static_cast<float>(packet.origin[k].y());
-    rays.org_z[k] = static_cast<float>(packet.origin[k].z());
-    rays.dir_x[k] = static_cast<float>(packet.direction[k].x());
-    rays.dir_y[k] = static_cast<float>(packet.direction[k].y());
-    rays.dir_z[k] = static_cast<float>(packet.direction[k].z());
+/// Fills Embree's own packet, of 4 or 8 rays, from ours, beginning at `first`.
+template <std::size_t kCount, class Rays>
+void aim_packet(Rays& rays, int (&valid)[kCount], const RayPacket& packet, std::size_t first) {
+  for (std::size_t k = 0; k < kCount; ++k) {
+    const Eigen::Vector3f& origin = packet.origin[first + k];
+    const Eigen::Vector3f& direction = packet.direction[first + k];
+    valid[k] = packet.valid[first + k] ? -1 : 0;
+    rays.org_x[k] = origin.x();
+    rays.org_y[k] = origin.y();
+    rays.org_z[k] = origin.z();
+    rays.dir_x[k] = direction.x();
+    rays.dir_y[k] = direction.y();
+    rays.dir_z[k] = direction.z();
     rays.tnear[k] = kOffsetM;
     rays.tfar[k] = std::numeric_limits<float>::infinity();
     rays.time[k] = 0.0F;
@@ -49,6 +53,13 @@ void aim4(Rays& rays, int (&valid)[4], const RayPacket& packet) {
   }
 }
 
+RTCIntersectContext coherent_context() {
+  RTCIntersectContext context{};
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  return context;
+}
+
 /// What Embree says of a ray's hit.
 struct Found {
   unsigned geometry = RTC_INVALID_GEOMETRY_ID;
@@ -56,20 +67,20 @@ struct Found {
   float u = 0.0F;
   float v = 0.0F;
   float distance = 0.0F;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
 };
 
 std::optional<RayHit> hit_of(const std::vector<TriangleMesh>& meshes, const Found& found,
-                             const Eigen::Vector3d& direction) {
+                             const Eigen::Vector3f& direction) {
   if (found.geometry == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const TriangleMesh& mesh = meshes[found.geometry];
   const auto& face = mesh.faces[found.primitive];
   RayHit hit;
   hit.distance_m = found.distance;
   hit.normal = found.normal.normalized();
-  if (hit.normal.dot(direction) > 0.0) hit.normal = -hit.normal;
+  if (hit.normal.dot(direction) > 0.0F) hit.normal = -hit.normal;
   const float rest = 1.0F - found.u - found.v;
-  hit.uv = (rest * mesh.uv[face[0]] + found.u * mesh.uv[face[1]] + found.v * mesh.uv[face[2]]).cast<double>();
+  hit.uv = rest * mesh.uv[face[0]] + found.u * mesh.uv[face[1]] + found.v * mesh.uv[face[2]];
   hit.material = mesh.material;
   hit.mesh = static_cast<int>(found.geometry);
   return hit;
@@ -81,6 +92,7 @@ struct RayScene::Embree {
   std::vector<TriangleMesh> meshes;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  bool eight_at_once = false;  ///< Whether Embree has packets of eight rays.
 
   Embree() = default;
   Embree(const Embree&) = delete;
@@ -104,8 +116,9 @@ void TriangleMesh::add_quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, s
 
 RayScene::RayScene(std::vector<TriangleMesh> meshes) : embree_(std::make_unique<Embree>()) {
   embree_->meshes = std::move(meshes);
-  embree_->device = rtcNewDevice("isa=sse4.2,threads=1");
+  embree_->device = rtcNewDevice((std::string("isa=") + instruction_set() + ",threads=1").c_str());
   GS_CHECK(embree_->device != nullptr, "Embree has a device");
+  embree_->eight_at_once = rtcGetDeviceProperty(embree_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0;
   embree_->scene = rtcNewScene(embree_->device);
   rtcSetSceneFlags(embree_->scene, RTC_SCENE_FLAG_NONE);
   rtcSetSceneBuildQuality(embree_->scene, RTC_BUILD_QUALITY_HIGH);
@@ -132,6 +145,13 @@ RayScene::RayScene(std::vector<TriangleMesh> meshes) : embree_(std::make_unique<
   rtcCommitScene(embree_->scene);
 }
 
+const char* RayScene::instruction_set() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) return "avx2";
+#endif
+  return "sse4.2";
+}
+
 RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
@@ -146,8 +166,8 @@ std::optional<RayHit> RayScene::hit(const Eigen::Vector3d& origin, const Eigen::
   rtcIntersect1(embree_->scene, &context, &query);
   return hit_of(embree_->meshes,
                 {query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v, query.ray.tfar,
-                 Eigen::Vector3d(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z)},
-                direction);
+                 Eigen::Vector3f(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z)},
+                direction.cast<float>());
 }
 
 bool RayScene::blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
@@ -159,39 +179,64 @@ bool RayScene::blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& dir
   return ray.tfar < 0.0F;
 }
 
-std::array<std::optional<RayHit>, 4> RayScene::hit(const RayPacket& rays) const {
-  alignas(16) int valid[4];
-  RTCRayHit4 query{};
-  aim4(query.ray, valid, rays);
-  for (std::size_t k = 0; k < 4; ++k) {
+namespace {
+
+/// One packet of Embree's: `kCount` of our rays from `first` on.
+template <std::size_t kCount, class Query, class Intersect>
+void hit_packet(RTCScene scene, const std::vector<TriangleMesh>& meshes, const RayPacket& rays, std::size_t first,
+                Intersect intersect, RayHits& hits) {
+  alignas(32) int valid[kCount];
+  alignas(32) Query query{};
+  aim_packet(query.ray, valid, rays, first);
+  for (std::size_t k = 0; k < kCount; ++k) {
     query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
   }
-  RTCIntersectContext context{};
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect4(valid, embree_->scene, &context, &query);
-  std::array<std::optional<RayHit>, 4> hits;
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (!rays.valid[k]) continue;
-    hits[k] = hit_of(embree_->meshes,
-                     {query.hit.geomID[k], query.hit.primID[k], query.hit.u[k], query.hit.v[k], query.ray.tfar[k],
-                      Eigen::Vector3d(query.hit.Ng_x[k], query.hit.Ng_y[k], query.hit.Ng_z[k])},
-                     rays.direction[k]);
+  RTCIntersectContext context = coherent_context();
+  intersect(valid, scene, &context, &query);
+  for (std::size_t k = 0; k < kCount; ++k) {
+    if (!rays.valid[first + k]) continue;
+    hits[first + k] =
+        hit_of(meshes,
+               {query.hit.geomID[k], query.hit.primID[k], query.hit.u[k], query.hit.v[k], query.ray.tfar[k],
+                Eigen::Vector3f(query.hit.Ng_x[k], query.hit.Ng_y[k], query.hit.Ng_z[k])},
+               rays.direction[first + k]);
+  }
+}
+
+template <std::size_t kCount, class Query, class Occluded>
+void block_packet(RTCScene scene, const RayPacket& rays, std::size_t first, Occluded occluded, RayFlags& blocked) {
+  alignas(32) int valid[kCount];
+  alignas(32) Query query{};
+  aim_packet(query, valid, rays, first);
+  RTCIntersectContext context = coherent_context();
+  occluded(valid, scene, &context, &query);
+  for (std::size_t k = 0; k < kCount; ++k) blocked[first + k] = rays.valid[first + k] && query.tfar[k] < 0.0F;
+}
+
+}  // namespace
+
+RayHits RayScene::hit(const RayPacket& rays) const {
+  RayHits hits;
+  if (embree_->eight_at_once) {
+    hit_packet<8, RTCRayHit8>(embree_->scene, embree_->meshes, rays, 0, rtcIntersect8, hits);
+  } else {
+    for (const std::size_t first : {0U, 4U}) {
+      hit_packet<4, RTCRayHit4>(embree_->scene, embree_->meshes, rays, first, rtcIntersect4, hits);
+    }
   }
   return hits;
 }
 
-std::array<bool, 4> RayScene::blocked(const RayPacket& rays) const {
-  alignas(16) int valid[4];
-  RTCRay4 query{};
-  aim4(query, valid, rays);
-  RTCIntersectContext context{};
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcOccluded4(valid, embree_->scene, &context, &query);
-  std::array<bool, 4> blocked{};
-  for (std::size_t k = 0; k < 4; ++k) blocked[k] = rays.valid[k] && query.tfar[k] < 0.0F;
+RayFlags RayScene::blocked(const RayPacket& rays) const {
+  RayFlags blocked{};
+  if (embree_->eight_at_once) {
+    block_packet<8, RTCRay8>(embree_->scene, rays, 0, rtcOccluded8, blocked);
+  } else {
+    for (const std::size_t first : {0U, 4U}) {
+      block_packet<4, RTCRay4>(embree_->scene, rays, first, rtcOccluded4, blocked);
+    }
+  }
   return blocked;
 }
 

@@ -23,22 +23,26 @@ struct TriangleMesh {
 };
 
 struct RayHit {
-  double distance_m = 0.0;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Unit, towards where the ray came from.
-  Eigen::Vector2d uv = Eigen::Vector2d::Zero();
+  float distance_m = 0.0F;
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< Unit, towards where the ray came from.
+  Eigen::Vector2f uv = Eigen::Vector2f::Zero();
   int material = 0;
   int mesh = 0;
 };
 
-/// Four rays; those that aren't `valid` meet nothing.
+/// Eight rays that are traced at once; those that aren't `valid` meet nothing.
 struct RayPacket {
-  std::array<Eigen::Vector3d, 4> origin;
-  std::array<Eigen::Vector3d, 4> direction;  ///< Unit vectors.
-  std::array<bool, 4> valid{};
-};
+  static constexpr std::size_t kRays = 8;
 
-/// What rays meet, by Embree. Hits are the same whatever the number of threads that ask and the processor's instruction
-/// sets: SSE 4.2 is used everywhere.
+  std::array<Eigen::Vector3f, kRays> origin;
+  std::array<Eigen::Vector3f, kRays> direction;  ///< Unit vectors.
+  std::array<bool, kRays> valid{};
+};
+using RayHits = std::array<std::optional<RayHit>, RayPacket::kRays>;
+using RayFlags = std::array<bool, RayPacket::kRays>;
+
+/// What rays meet, by Embree. Hits are the same whatever the number of threads that ask. Embree is held to AVX2 where
+/// the processor has it, else to SSE 4.2.
 class RayScene {
  public:
   explicit RayScene(std::vector<TriangleMesh> meshes);
@@ -51,9 +55,12 @@ class RayScene {
   /// Whether anything lies in that direction.
   bool blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 
-  /// The same for four rays at once, in half of the time where they lie close together.
-  std::array<std::optional<RayHit>, 4> hit(const RayPacket& rays) const;
-  std::array<bool, 4> blocked(const RayPacket& rays) const;
+  /// The same for a packet, in a fraction of the time where its rays lie close together.
+  RayHits hit(const RayPacket& rays) const;
+  RayFlags blocked(const RayPacket& rays) const;
+
+  /// The instruction set that Embree uses on this processor, which decides the last bits: "avx2", "sse4.2".
+  static const char* instruction_set();
 
  private:
   struct Embree;

@@ -29,8 +29,8 @@ TEST(RayScene, TheNearestSurfaceIsHitWithItsDistanceNormalAndCoordinates) {
   EXPECT_EQ(hit->material, 7);
   EXPECT_EQ(hit->mesh, 1);
   EXPECT_NEAR(hit->distance_m, 4.0 / direction.z(), 1e-6);
-  EXPECT_LT((hit->normal - Eigen::Vector3d(0.0, 0.0, -1.0)).norm(), 1e-6);
-  EXPECT_LT((hit->uv - Eigen::Vector2d(0.4, -0.2)).norm(), 1e-6);
+  EXPECT_LT((hit->normal - Eigen::Vector3f(0.0F, 0.0F, -1.0F)).norm(), 1e-6);
+  EXPECT_LT((hit->uv - Eigen::Vector2f(0.4F, -0.2F)).norm(), 1e-6);
 }
 
 TEST(RayScene, NothingIsHitBesideAndBehind) {

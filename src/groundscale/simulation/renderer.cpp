@@ -12,15 +12,16 @@
 namespace groundscale {
 namespace {
 
-constexpr double kSkyLight = 0.3;  ///< On level ground, of what the sun gives.
-constexpr double kSunLight = 1.1;
-constexpr int kSide = 2;    ///< Rays a side of a pixel.
-constexpr int kPacket = 4;  ///< Rays that are traced at once: one for each place of a pixel.
+constexpr float kSkyLight = 0.3F;  ///< On level ground, of what the sun gives.
+constexpr float kSunLight = 1.1F;
+constexpr int kSide = 2;  ///< Rays a side of a pixel.
+constexpr int kPlaces = kSide * kSide;
+constexpr auto kRays = RayPacket::kRays;  ///< Of two pixels.
 
 /// Sky: brighter towards the horizon.
-double sky(const Eigen::Vector3d& direction) {
-  const double up = std::max(0.0, -direction.y());
-  return 0.75 - 0.3 * std::min(1.0, up * 1.5);
+float sky(const Eigen::Vector3f& direction) {
+  const float up = std::max(0.0F, -direction.y());
+  return 0.75F - 0.3F * std::min(1.0F, up * 1.5F);
 }
 
 /// The middle of one of the 2 x 2 places of a pixel.
@@ -41,12 +42,12 @@ struct Scenes {
   const RayScene& still;
   const RayScene* moving = nullptr;
 
-  std::array<std::optional<RayHit>, kPacket> hit(const RayPacket& rays) const {
+  RayHits hit(const RayPacket& rays) const {
     auto hits = still.hit(rays);
     if (moving == nullptr) return hits;
     constexpr int kMovingMeshes = 1 << 24;  // told from what stands still
     auto others = moving->hit(rays);
-    for (std::size_t k = 0; k < kPacket; ++k) {
+    for (std::size_t k = 0; k < kRays; ++k) {
       if (!others[k] || (hits[k] && hits[k]->distance_m <= others[k]->distance_m)) continue;
       hits[k] = others[k];
       hits[k]->mesh += kMovingMeshes;
@@ -54,20 +55,20 @@ struct Scenes {
     return hits;
   }
 
-  std::array<bool, kPacket> blocked(const RayPacket& rays) const {
+  RayFlags blocked(const RayPacket& rays) const {
     auto any = still.blocked(rays);
     if (moving == nullptr) return any;
     const auto others = moving->blocked(rays);
-    for (std::size_t k = 0; k < kPacket; ++k) any[k] = any[k] || others[k];
+    for (std::size_t k = 0; k < kRays; ++k) any[k] = any[k] || others[k];
     return any;
   }
 };
 
-/// Light along the rays of a pixel.
+/// Light along the rays of two pixels.
 class Shading {
  public:
   Shading(const World& world, const Scenes& scenes, double focal_px)
-      : world_(world), scenes_(scenes), focal_px_(focal_px), sun_(world.sun()) {}
+      : world_(world), scenes_(scenes), focal_px_(focal_px), sun_(world.sun().cast<float>()) {}
 
   struct Light {
     double sum = 0.0;   ///< Over the four rays.
@@ -75,18 +76,28 @@ class Shading {
     bool whole = true;  ///< Each place has a ray.
   };
 
+  /// Of the rays 0 to 3 and of 4 to 7.
   /// @param share  Share of a pixel's side that a ray stands for.
-  Light of(const RayPacket& rays, double share) const {
-    const auto hits = scenes_.hit(rays);
+  std::array<Light, 2> of(const RayPacket& rays, double share) const {
+    const RayHits hits = scenes_.hit(rays);
+    const auto sunlight = sunlight_at(rays, hits);
+    return {of_four(rays, hits, sunlight, 0, share), of_four(rays, hits, sunlight, kPlaces, share)};
+  }
+
+ private:
+  using Sunlight = std::array<float, kRays>;
+
+  Light of_four(const RayPacket& rays, const RayHits& hits, const Sunlight& sunlight, std::size_t first,
+                double share) const {
     Light light;
     const auto surface = [&hits](std::size_t k) { return hits[k] ? hits[k]->mesh : -1; };
-    for (std::size_t k = 0; k < kPacket; ++k) {
-      light.edge = light.edge || surface(k) != surface(0);
+    for (std::size_t k = first; k < first + kPlaces; ++k) {
+      light.edge = light.edge || surface(k) != surface(first);
       light.whole = light.whole && rays.valid[k];
     }
-    const auto sunlight = sunlight_at(rays, hits);
-    const auto shared = light.edge || !hits[0] ? std::nullopt : albedo_of_pixel(hits, rays.direction[0]);
-    for (std::size_t k = 0; k < kPacket; ++k) {
+    const auto shared =
+        light.edge || !hits[first] ? std::nullopt : albedo_of_pixel(&hits[first], rays.direction[first]);
+    for (std::size_t k = first; k < first + kPlaces; ++k) {
       if (!rays.valid[k]) continue;
       if (!hits[k]) {
         light.sum += sky(rays.direction[k]);
@@ -94,28 +105,27 @@ class Shading {
       }
       const double value = shared ? *shared : albedo_of_ray(*hits[k], rays.direction[k], share);
       // Half of the sky is over a wall, all of it over the ground.
-      const double open = 0.5 - 0.5 * hits[k]->normal.y();
-      light.sum += value * (kSkyLight * (0.3 + 0.7 * open) + sunlight[k]) + glint(*hits[k], rays.direction[k]);
+      const float open = 0.5F - 0.5F * hits[k]->normal.y();
+      light.sum += value * (kSkyLight * (0.3F + 0.7F * open) + sunlight[k]) + glint(*hits[k], rays.direction[k]);
     }
     return light;
   }
 
- private:
-  std::array<double, kPacket> sunlight_at(const RayPacket& rays,
-                                          const std::array<std::optional<RayHit>, kPacket>& hits) const {
+  Sunlight sunlight_at(const RayPacket& rays, const RayHits& hits) const {
     RayPacket to_sun;
-    std::array<double, kPacket> light{};
-    constexpr double kOffM = 2e-3;  // off the surface, against its own roughness in single precision
-    for (std::size_t k = 0; k < kPacket; ++k) {
-      const double facing = hits[k] ? hits[k]->normal.dot(sun_) : 0.0;
-      if (facing <= 0.0) continue;
+    Sunlight light{};
+    constexpr float kOffM = 2e-3F;  // off the surface, against its own roughness in single precision
+    for (std::size_t k = 0; k < kRays; ++k) {
+      to_sun.origin[k] = rays.origin[k];
+      to_sun.direction[k] = sun_;
+      const float facing = hits[k] ? hits[k]->normal.dot(sun_) : 0.0F;
+      if (facing <= 0.0F) continue;
       light[k] = kSunLight * facing;
       to_sun.valid[k] = true;
-      to_sun.origin[k] = rays.origin[k] + hits[k]->distance_m * rays.direction[k] + kOffM * hits[k]->normal;
-      to_sun.direction[k] = sun_;
+      to_sun.origin[k] += hits[k]->distance_m * rays.direction[k] + kOffM * hits[k]->normal;
     }
-    const auto shadow = scenes_.blocked(to_sun);
-    for (std::size_t k = 0; k < kPacket; ++k) light[k] = shadow[k] ? 0.0 : light[k];
+    const RayFlags shadow = scenes_.blocked(to_sun);
+    for (std::size_t k = 0; k < kRays; ++k) light[k] = shadow[k] ? 0.0F : light[k];
     return light;
   }
 
@@ -124,21 +134,20 @@ class Shading {
   }
 
   /// Over a square of the area that a ray stands for.
-  double albedo_of_ray(const RayHit& hit, const Eigen::Vector3d& direction, double share) const {
-    const double slant = std::max(0.02, -hit.normal.dot(direction));
-    return albedo_at(hit.material, hit.uv, share * hit.distance_m / focal_px_ / std::sqrt(slant));
+  double albedo_of_ray(const RayHit& hit, const Eigen::Vector3f& direction, double share) const {
+    const double slant = std::max(0.02F, -hit.normal.dot(direction));
+    return albedo_at(hit.material, hit.uv.cast<double>(), share * hit.distance_m / focal_px_ / std::sqrt(slant));
   }
 
   /// Over a pixel on one surface. At a slant it is long and narrow: a square of the same area would leave waves along
   /// it that are sampled too thinly, and what is seen would not lie where it is. So there are places along it.
   /// @return Nothing where the surface's coordinates jump between the rays.
-  std::optional<double> albedo_of_pixel(const std::array<std::optional<RayHit>, kPacket>& hits,
-                                        const Eigen::Vector3d& direction) const {
+  std::optional<double> albedo_of_pixel(const std::optional<RayHit>* hits, const Eigen::Vector3f& direction) const {
     // The rays lie half of a pixel apart.
-    const Eigen::Vector2d across = hits[1]->uv - hits[0]->uv + hits[3]->uv - hits[2]->uv;
-    const Eigen::Vector2d down = hits[2]->uv - hits[0]->uv + hits[3]->uv - hits[1]->uv;
-    const Eigen::Vector2d& along = across.squaredNorm() > down.squaredNorm() ? across : down;
-    const double slant = std::max(0.02, -hits[0]->normal.dot(direction));
+    const Eigen::Vector2f across = hits[1]->uv - hits[0]->uv + hits[3]->uv - hits[2]->uv;
+    const Eigen::Vector2f down = hits[2]->uv - hits[0]->uv + hits[3]->uv - hits[1]->uv;
+    const Eigen::Vector2d along = (across.squaredNorm() > down.squaredNorm() ? across : down).cast<double>();
+    const double slant = std::max(0.02F, -hits[0]->normal.dot(direction));
     const double width = hits[0]->distance_m / focal_px_;
     const double length = along.norm();
     constexpr double kJump = 2.5;
@@ -146,7 +155,7 @@ class Shading {
     constexpr double kMostPlaces = 4.0;
     const auto count = static_cast<int>(std::clamp(std::round(length / width), 1.0, kMostPlaces));
     const double footprint = std::max(width, length / count);
-    const Eigen::Vector2d middle = 0.25 * (hits[0]->uv + hits[1]->uv + hits[2]->uv + hits[3]->uv);
+    const Eigen::Vector2d middle = (0.25F * (hits[0]->uv + hits[1]->uv + hits[2]->uv + hits[3]->uv)).cast<double>();
     double sum = 0.0;
     for (int k = 0; k < count; ++k) {
       sum += albedo_at(hits[0]->material, middle + ((k + 0.5) / count - 0.5) * along, footprint);
@@ -155,38 +164,30 @@ class Shading {
   }
 
   /// What of the sky a smooth surface mirrors (Schlick 1994); below the horizon it mirrors a street in shade.
-  static double glint(const RayHit& hit, const Eigen::Vector3d& direction) {
-    const double square_on = mirrored(hit.material);
-    if (square_on == 0.0) return 0.0;
-    constexpr double kStreet = 0.08;
-    const double facing = std::clamp(-hit.normal.dot(direction), 0.0, 1.0);
-    const double share = square_on + (1.0 - square_on) * std::pow(1.0 - facing, 5);
-    const Eigen::Vector3d onward = direction + 2.0 * facing * hit.normal;
-    return share * (onward.y() < 0.0 ? sky(onward) : kStreet);
+  static float glint(const RayHit& hit, const Eigen::Vector3f& direction) {
+    const auto square_on = static_cast<float>(mirrored(hit.material));
+    if (square_on == 0.0F) return 0.0F;
+    constexpr float kStreet = 0.08F;
+    const float facing = std::clamp(-hit.normal.dot(direction), 0.0F, 1.0F);
+    const float rest = 1.0F - facing;
+    const float share = square_on + (1.0F - square_on) * rest * rest * rest * rest * rest;
+    const Eigen::Vector3f onward = direction + 2.0F * facing * hit.normal;
+    return share * (onward.y() < 0.0F ? sky(onward) : kStreet);
   }
 
   const World& world_;
   Scenes scenes_;
   double focal_px_;
-  Eigen::Vector3d sun_;
+  Eigen::Vector3f sun_;
 };
 
-/// A pose for each of some rays, spread over the time that the shutter is open.
-std::vector<RigidTransform> spread(const Shutter& shutter, int count) {
-  std::vector<RigidTransform> poses;
-  for (int k = 0; k < count; ++k) {
-    poses.push_back(between(shutter.world_from_cam_open, shutter.world_from_cam_close, (k + 0.5) / count));
-  }
-  return poses;
-}
-
 /// Ray at a place of a pixel, from those of its 2 x 2 places: straight between them is good to a millionth of a pixel.
-Eigen::Vector3d ray_between(const Eigen::Vector3f* rays, const Eigen::Vector2d& place) {
+Eigen::Vector3f ray_between(const Eigen::Vector3f* rays, const Eigen::Vector2d& place) {
   const auto x = static_cast<float>(2.0 * place.x() + 0.5);
   const auto y = static_cast<float>(2.0 * place.y() + 0.5);
   const Eigen::Vector3f ray =
       (1.0F - y) * ((1.0F - x) * rays[0] + x * rays[1]) + y * ((1.0F - x) * rays[2] + x * rays[3]);
-  return ray.cast<double>().normalized();
+  return ray.normalized();
 }
 
 }  // namespace
@@ -194,12 +195,12 @@ Eigen::Vector3d ray_between(const Eigen::Vector3f* rays, const Eigen::Vector2d& 
 Renderer::Renderer(const World& world, CameraPtr camera, const RenderOptions& options)
     : world_(world), camera_(std::move(camera)), options_(options) {
   GS_CHECK(options.edge_rays == 0 || options.edge_rays == 8 || options.edge_rays == 16, "0, 8 or 16 more rays");
-  rays_.resize(static_cast<std::size_t>(camera_->width()) * static_cast<std::size_t>(camera_->height()) * kPacket,
+  rays_.resize(static_cast<std::size_t>(camera_->width()) * static_cast<std::size_t>(camera_->height()) * kPlaces,
                Eigen::Vector3f::Zero());
   for_each_row([this](int y) {
-    auto* ray = rays_.data() + static_cast<std::ptrdiff_t>(y) * camera_->width() * kPacket;
+    auto* ray = rays_.data() + static_cast<std::ptrdiff_t>(y) * camera_->width() * kPlaces;
     for (int x = 0; x < camera_->width(); ++x) {
-      for (int k = 0; k < kPacket; ++k, ++ray) {
+      for (int k = 0; k < kPlaces; ++k, ++ray) {
         if (const auto found = camera_->ray(place_in_pixel(x, y, k))) *ray = found->cast<float>();
       }
     }
@@ -218,13 +219,29 @@ void Renderer::for_each_row(const Row& row) const {
   work();
 }
 
-RayPacket Renderer::rays_of(int x, int y, const std::vector<RigidTransform>& poses) const {
-  const Eigen::Vector3f* ray = rays_.data() + (static_cast<std::ptrdiff_t>(y) * camera_->width() + x) * kPacket;
+/// A pose for each of some rays, spread over the time that the shutter is open.
+std::vector<Renderer::RayPose> Renderer::spread(const Shutter& shutter, int count) {
+  std::vector<RayPose> poses;
+  for (int k = 0; k < count; ++k) {
+    const RigidTransform pose = between(shutter.world_from_cam_open, shutter.world_from_cam_close, (k + 0.5) / count);
+    poses.push_back({pose.rotation.cast<float>(), pose.translation.cast<float>()});
+  }
+  return poses;
+}
+
+RayPacket Renderer::rays_of(int x1, int x2, int y, const std::vector<RayPose>& poses) const {
   RayPacket rays;
-  for (std::size_t k = 0; k < kPacket; ++k) {
-    rays.origin[k] = poses[k].translation;
-    rays.direction[k] = poses[k].rotation * ray[k].cast<double>();
-    rays.valid[k] = !ray[k].isZero();
+  for (std::size_t k = 0; k < kRays; ++k) {
+    const std::size_t place = k % kPlaces;
+    const int x = k < kPlaces ? x1 : x2;
+    if (x < camera_->width()) {
+      const Eigen::Vector3f& ray = known_rays(x, y)[place];
+      rays.direction[k] = poses[place].rotation * ray;
+      rays.valid[k] = !ray.isZero();
+    } else {
+      rays.direction[k] = Eigen::Vector3f::UnitZ();
+    }
+    rays.origin[k] = poses[place].translation;
   }
   return rays;
 }
@@ -232,12 +249,14 @@ RayPacket Renderer::rays_of(int x, int y, const std::vector<RigidTransform>& pos
 double Renderer::mean_light(const Shutter& shutter, const RayScene* moving) const {
   constexpr int kStride = 8;
   const Shading shading(world_, {world_.scene, moving}, camera_->focal_px());
-  const std::vector<RigidTransform> poses = spread(shutter, kPacket);
+  const std::vector<RayPose> poses = spread(shutter, kPlaces);
   double sum = 0.0;
   int count = 0;
   for (int y = kStride / 2; y < camera_->height(); y += kStride) {
-    for (int x = kStride / 2; x < camera_->width(); x += kStride, ++count) {
-      sum += shading.of(rays_of(x, y, poses), 1.0 / kSide).sum / kPacket;
+    for (int x = kStride / 2; x < camera_->width(); x += 2 * kStride) {
+      const auto light = shading.of(rays_of(x, x + kStride, y, poses), 1.0 / kSide);
+      sum += (light[0].sum + light[1].sum) / kPlaces;
+      count += x + kStride < camera_->width() ? 2 : 1;
     }
   }
   return count > 0 ? sum / count : 0.0;
@@ -247,32 +266,35 @@ Radiance Renderer::render(const Shutter& shutter, const RayScene* moving) const 
   Radiance image{camera_->width(), camera_->height(), {}};
   image.values.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   const Shading shading(world_, {world_.scene, moving}, camera_->focal_px());
-  const std::vector<RigidTransform> poses = spread(shutter, kPacket);
-  const std::vector<RigidTransform> edge_poses = spread(shutter, options_.edge_rays);
-  const double fine_share = 1.0 / std::sqrt(kPacket + options_.edge_rays);
+  const std::vector<RayPose> poses = spread(shutter, kPlaces);
+  const std::vector<RayPose> edge_poses = spread(shutter, options_.edge_rays);
+  const double fine_share = 1.0 / std::sqrt(kPlaces + options_.edge_rays);
   const auto more_at = [&](int x, int y) {
-    const Eigen::Vector3f* known = rays_.data() + (static_cast<std::ptrdiff_t>(y) * image.width + x) * kPacket;
     double sum = 0.0;
-    for (int first = 0; first < options_.edge_rays; first += kPacket) {
+    for (int first = 0; first < options_.edge_rays; first += static_cast<int>(kRays)) {
       RayPacket rays;
-      for (std::size_t k = 0; k < kPacket; ++k) {
+      for (std::size_t k = 0; k < kRays; ++k) {
         const int place = first + static_cast<int>(k);
-        const RigidTransform& pose = edge_poses[static_cast<std::size_t>(place)];
+        const RayPose& pose = edge_poses[static_cast<std::size_t>(place)];
         rays.valid[k] = true;
         rays.origin[k] = pose.translation;
-        rays.direction[k] = pose.rotation * ray_between(known, place_at_edge(place, options_.edge_rays));
+        rays.direction[k] = pose.rotation * ray_between(known_rays(x, y), place_at_edge(place, options_.edge_rays));
       }
-      sum += shading.of(rays, fine_share).sum;
+      const auto light = shading.of(rays, fine_share);
+      sum += light[0].sum + light[1].sum;
     }
     return sum;
   };
   for_each_row([&](int y) {
     float* row = image.values.data() + static_cast<std::ptrdiff_t>(y) * image.width;
-    for (int x = 0; x < image.width; ++x) {
-      const auto light = shading.of(rays_of(x, y, poses), 1.0 / kSide);
-      const bool more = light.edge && light.whole;
-      const int rays = kPacket + (more ? options_.edge_rays : 0);
-      row[x] = static_cast<float>((light.sum + (more ? more_at(x, y) : 0.0)) / rays);
+    for (int first = 0; first < image.width; first += 2) {
+      const auto lights = shading.of(rays_of(first, first + 1, y, poses), 1.0 / kSide);
+      for (int x = first; x < std::min(first + 2, image.width); ++x) {
+        const auto& light = lights[static_cast<std::size_t>(x - first)];
+        const bool more = light.edge && light.whole;
+        const int rays = kPlaces + (more ? options_.edge_rays : 0);
+        row[x] = static_cast<float>((light.sum + (more ? more_at(x, y) : 0.0)) / rays);
+      }
     }
   });
   return image;
@@ -298,7 +320,7 @@ std::vector<float> Renderer::depth(const RigidTransform& world_from_cam, const R
       const auto hit = middle_hit(x, y, world_from_cam, moving);
       if (!hit) continue;
       const Eigen::Vector3d ray = *camera_->ray({static_cast<double>(x), static_cast<double>(y)});
-      row[x] = static_cast<float>(std::max(0.0, hit->distance_m * ray.z()));
+      row[x] = std::max(0.0F, hit->distance_m * static_cast<float>(ray.z()));
     }
   });
   return depths;

@@ -44,11 +44,22 @@ class Renderer {
   Image road_mask(const RigidTransform& world_from_cam, const RayScene* moving = nullptr) const;
 
  private:
+  /// A camera's pose in the precision of rays.
+  struct RayPose {
+    Eigen::Matrix3f rotation;
+    Eigen::Vector3f translation;
+  };
+  static std::vector<RayPose> spread(const Shutter& shutter, int count);
+
   template <class Row>
   void for_each_row(const Row& row) const;
   std::optional<RayHit> middle_hit(int x, int y, const RigidTransform& world_from_cam, const RayScene* moving) const;
 
-  RayPacket rays_of(int x, int y, const std::vector<RigidTransform>& poses) const;
+  /// Of two pixels of a row; the second may lie outside the image.
+  RayPacket rays_of(int x1, int x2, int y, const std::vector<RayPose>& poses) const;
+  const Eigen::Vector3f* known_rays(int x, int y) const {
+    return rays_.data() + (static_cast<std::ptrdiff_t>(y) * camera_->width() + x) * 4;
+  }
 
   const World& world_;
   CameraPtr camera_;

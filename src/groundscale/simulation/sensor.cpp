@@ -33,7 +33,8 @@ Image expose(const Radiance& light, double gain, const SensorOptions& options, R
         const double sd = std::sqrt(electrons + options.read_noise_e * options.read_noise_e);
         share_of_full = (electrons + sd * rng.normal()) / options.full_well_e;
       }
-      const double grey = std::pow(std::clamp(share_of_full, 0.0, 1.0), 1.0 / options.gamma);
+      const double linear = std::clamp(share_of_full, 0.0, 1.0);
+      const double grey = options.gamma == 1.0 ? linear : std::pow(linear, 1.0 / options.gamma);
       *pixel = static_cast<std::uint8_t>(std::lround(255.0 * grey));
     }
   }
