@@ -31,6 +31,7 @@ CameraPreset exact_camera(std::string_view name) {
   options.sensor.full_well_e = 0.0;
   options.world = WorldOptions::bare();
   options.world.profile.crown = 0.0;
+  options.world.profile.roughness_m = 0.0;
   options.world.profile.kerb_m = 0.0;
   options.world.profile.verge_slope = 0.0;
   return camera;

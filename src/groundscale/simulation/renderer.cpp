@@ -21,7 +21,7 @@ constexpr auto kRays = RayPacket::kRays;  ///< Of two pixels.
 /// Sky: brighter towards the horizon.
 float sky(const Eigen::Vector3f& direction) {
   const float up = std::max(0.0F, -direction.y());
-  return 0.75F - 0.3F * std::min(1.0F, up * 1.5F);
+  return 0.45F - 0.18F * std::min(1.0F, up * 1.5F);
 }
 
 /// The middle of one of the 2 x 2 places of a pixel.
@@ -152,7 +152,7 @@ class Shading {
     const double length = along.norm();
     constexpr double kJump = 2.5;
     if (length > kJump * width / slant) return std::nullopt;
-    constexpr double kMostPlaces = 4.0;
+    constexpr double kMostPlaces = 8.0;
     const auto count = static_cast<int>(std::clamp(std::round(length / width), 1.0, kMostPlaces));
     const double footprint = std::max(width, length / count);
     const Eigen::Vector2d middle = (0.25F * (hits[0]->uv + hits[1]->uv + hits[2]->uv + hits[3]->uv)).cast<double>();
