@@ -59,6 +59,11 @@ void count(Share& share, bool hit) {
   if (hit) ++share.count;
 }
 
+void count(SdShares& shares, const Step& step, bool hit) {
+  count(shares.all, hit);
+  count(step.turn ? shares.turn : shares.straight, hit);
+}
+
 bool within_2_sd(double value_m, double true_m, double sd_m) { return std::abs(value_m - true_m) <= 2.0 * sd_m; }
 
 /// @param frames  One more than steps; frame k + 1 is the one that step k ends at.
@@ -82,7 +87,10 @@ Coverage coverage_of(const std::vector<Step>& steps, const std::vector<FrameRow>
         ++*coverage.moving_steps_before_first;
       }
     }
-    if (row.step_sd_m) count(coverage.within_2_sd, within_2_sd(step.estimated_m, step.true_m, *row.step_sd_m));
+    if (row.step_sd_m) count(coverage.within_2_sd, step, within_2_sd(step.estimated_m, step.true_m, *row.step_sd_m));
+    if (row.online_step_m && row.online_step_sd_m) {
+      count(coverage.online_within_2_sd, step, within_2_sd(*row.online_step_m, step.true_m, *row.online_step_sd_m));
+    }
     if (row.accepted() && row.raw_step_sd_m) {
       count(coverage.raw_within_2_sd, within_2_sd(*row.raw_step_m, step.true_m, *row.raw_step_sd_m));
     }

@@ -38,6 +38,11 @@ struct Share {
   double value() const { return static_cast<double>(count) / of; }
 };
 
+/// How many steps lie within two standard deviations of the truth.
+struct SdShares {
+  Share all, straight, turn;
+};
+
 /// How often there was a measurement, over the moving steps; from a run's folder only.
 struct Coverage {
   Share accepted;                                ///< Steps with an accepted raw measurement.
@@ -45,7 +50,8 @@ struct Coverage {
   Share filtered_after_first;                    ///< The same over the steps from the first accepted frame on.
   std::optional<int> first_accepted_frame;       ///< Its number in the source.
   std::optional<int> moving_steps_before_first;  ///< Moving steps before that frame.
-  Share within_2_sd;                             ///< Of the filtered steps: final step within 2 step_sd_m of the truth.
+  SdShares within_2_sd;                          ///< Of the filtered steps: final step within 2 step_sd_m of the truth.
+  SdShares online_within_2_sd;                   ///< Online step within 2 online_step_sd_m; none in tables without it.
   Share raw_within_2_sd;                         ///< Of the accepted ones: raw step within 2 raw_step_sd_m.
 };
 

@@ -142,8 +142,8 @@ TEST(Evaluate, MovingStepsBeforeTheFirstAcceptedFrameAreCounted) {
 
 TEST(Evaluate, ShareWithinTwoStandardDeviationsIsOfTheStepsThatHaveOne) {
   const auto coverage = evaluation_of(small_run()).coverage;
-  EXPECT_EQ(coverage->within_2_sd.of, 4);  // errors 0, .01, .02, .03 against .02, .02, .022, .02
-  EXPECT_EQ(coverage->within_2_sd.count, 3);
+  EXPECT_EQ(coverage->within_2_sd.all.of, 4);  // errors 0, .01, .02, .03 against .02, .02, .022, .02
+  EXPECT_EQ(coverage->within_2_sd.all.count, 3);
   EXPECT_EQ(coverage->raw_within_2_sd.of, 3);  // errors .04, -.06, .10 against .06, .04, .08
   EXPECT_EQ(coverage->raw_within_2_sd.count, 1);
 }

@@ -112,7 +112,14 @@ std::vector<Figure> coverage_figures(const Coverage& coverage) {
            coverage.first_accepted_frame ? "frame number" : "no measurement was accepted"},
           {"moving_steps_before_first", whole(coverage.moving_steps_before_first), "", 0, false, steps, "steps",
            "moving steps before that frame"},
-          share_figure("within_2_sd", coverage.within_2_sd, "steps", "|step error| <= 2 step_sd_m"),
+          share_figure("within_2_sd", coverage.within_2_sd.all, "steps", "|step error| <= 2 step_sd_m"),
+          share_figure("within_2_sd_straight", coverage.within_2_sd.straight, "steps", "the same on straights"),
+          share_figure("within_2_sd_turn", coverage.within_2_sd.turn, "steps", "and in turns"),
+          share_figure("online_within_2_sd", coverage.online_within_2_sd.all, "steps",
+                       "|online step error| <= 2 online_step_sd_m"),
+          share_figure("online_within_2_sd_straight", coverage.online_within_2_sd.straight, "steps",
+                       "the same on straights"),
+          share_figure("online_within_2_sd_turn", coverage.online_within_2_sd.turn, "steps", "and in turns"),
           share_figure("raw_within_2_sd", coverage.raw_within_2_sd, "steps", "|raw error| <= 2 raw_step_sd_m")};
 }
 

@@ -16,9 +16,11 @@ namespace {
 
 using internal::bad_input;
 
-enum Column { kFrame, kTime, kStepSd, kOnlineStep, kRawStep, kRawStepSd, kReason, kColumns };
+enum Column { kFrame, kTime, kStepSd, kOnlineStep, kRawStep, kRawStepSd, kReason, kOnlineStepSd, kColumns };
+/// Those from here on may be missing.
+constexpr std::size_t kNeeded = kOnlineStepSd;
 constexpr std::array<std::string_view, kColumns> kNames{"frame",      "time_s",        "step_sd_m", "online_step_m",
-                                                        "raw_step_m", "raw_step_sd_m", "reason"};
+                                                        "raw_step_m", "raw_step_sd_m", "reason", "online_step_sd_m"};
 
 /// Fields of a line of comma separated values; "" inside quotes is a quote.
 std::vector<std::string> split_fields(std::string_view line) {
@@ -40,7 +42,7 @@ std::vector<std::string> split_fields(std::string_view line) {
 
 struct Header {
   std::size_t width = 0;
-  std::array<std::size_t, kColumns> index{};
+  std::array<std::optional<std::size_t>, kColumns> index;
 };
 
 Result<Header> parse_header(std::string_view line, const std::string& path) {
@@ -49,8 +51,11 @@ Result<Header> parse_header(std::string_view line, const std::string& path) {
   header.width = names.size();
   for (std::size_t column = 0; column < kColumns; ++column) {
     const auto found = std::find(names.begin(), names.end(), kNames[column]);
-    if (found == names.end()) return bad_input(fmt::format("{}:1: no column '{}'", path, kNames[column]));
-    header.index[column] = static_cast<std::size_t>(found - names.begin());
+    if (found != names.end()) {
+      header.index[column] = static_cast<std::size_t>(found - names.begin());
+    } else if (column < kNeeded) {
+      return bad_input(fmt::format("{}:1: no column '{}'", path, kNames[column]));
+    }
   }
   return header;
 }
@@ -62,7 +67,7 @@ class RowParser {
       : fields_(fields), header_(header), place_(std::move(place)) {}
 
   std::optional<double> number(Column column, double min) {
-    const std::string& text = field(column);
+    const std::string text = field(column);
     if (text.empty()) return std::nullopt;
     const std::optional<double> value = internal::parse_number(text);
     if (value && std::isfinite(*value) && *value >= min) return value;
@@ -77,7 +82,11 @@ class RowParser {
     return 0;
   }
 
-  const std::string& field(Column column) const { return fields_[header_.index[column]]; }
+  /// Empty where there is no such column.
+  std::string field(Column column) const {
+    const auto& index = header_.index[column];
+    return index ? fields_[*index] : std::string();
+  }
   const Result<void>& result() const { return result_; }
 
  private:
@@ -105,6 +114,7 @@ Result<FrameRow> parse_row(const internal::Line& line, const Header& header, con
   row.time_s = parser.number(kTime, -std::numeric_limits<double>::max());
   row.step_sd_m = parser.number(kStepSd, 0.0);
   row.online_step_m = parser.number(kOnlineStep, 0.0);
+  row.online_step_sd_m = parser.number(kOnlineStepSd, 0.0);
   row.raw_step_m = parser.number(kRawStep, 0.0);
   row.raw_step_sd_m = parser.number(kRawStepSd, 0.0);
   row.reason = parser.field(kReason);

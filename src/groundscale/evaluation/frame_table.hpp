@@ -14,7 +14,8 @@ struct FrameRow {
   std::optional<double> time_s;
   std::optional<double> step_sd_m;      ///< There where the filter has a value.
   std::optional<double> online_step_m;  ///< From frames up to this one only.
-  std::optional<double> raw_step_m;     ///< At the scale of this frame's own plane measurement.
+  std::optional<double> online_step_sd_m;
+  std::optional<double> raw_step_m;  ///< At the scale of this frame's own plane measurement.
   std::optional<double> raw_step_sd_m;
   std::string reason;  ///< Why the measurement was refused; empty where it was accepted or there was none.
 

@@ -84,7 +84,8 @@ std::string Table::markdown(const std::vector<std::string>& names) const {
     text += "\n";
   };
   for (const auto& row : rows_) add_line(row);
-  if (rows_.size() < 2) return text;
+  const auto averaged = [this](std::size_t k) { return !columns_[k].text && columns_[k].averaged; };
+  if (rows_.size() < 2 || std::none_of(chosen.begin(), chosen.end(), averaged)) return text;
   std::vector<Cell> last = means();
   last[chosen.front()] = std::string("mean");
   add_line(last);

@@ -27,19 +27,20 @@ constexpr std::string_view kFiles[] = {"trajectory.kitti", "trajectory.tum", "on
 std::string frames_csv(const std::vector<FrameResult>& results) {
   std::string csv =
       "frame,time_s,state,step_m,step_sd_m,online_step_m,raw_step_m,raw_step_sd_m,pitch_deg,roll_deg,matches,"
-      "road_matches,road_inliers,reason\n";
+      "road_matches,road_inliers,reason,online_step_sd_m\n";
   const auto number = [](bool known, double value) { return known ? fmt::format("{}", value) : std::string(); };
   bool first = true;
   for (const FrameResult& r : results) {
     const bool step = r.scaled && !first;
     const bool raw = step && r.raw_over_online.has_value();
     const double raw_step = raw ? *r.raw_over_online * r.online_step_m : 0.0;
-    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.frame, r.time_s, name_of(r.state),
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.frame, r.time_s, name_of(r.state),
                        number(step, r.step_m), number(step && r.step_sd > 0.0, r.step_sd * r.step_m),
                        number(step, r.online_step_m), number(raw, raw_step), number(raw, r.raw_sd * raw_step),
                        number(r.pitch_rad.has_value(), r.pitch_rad.value_or(0.0) / kDegree),
                        number(r.roll_rad.has_value(), r.roll_rad.value_or(0.0) / kDegree), r.matches, r.road_matches,
-                       r.road_inliers, internal::csv_text(r.reason));
+                       r.road_inliers, internal::csv_text(r.reason),
+                       number(step && r.online_step_sd > 0.0, r.online_step_sd * r.online_step_m));
     first = false;
   }
   return csv;
