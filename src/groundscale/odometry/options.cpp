@@ -39,6 +39,12 @@ void visit_fields(GroundOptions& options, FieldVisitor& visitor) {
                  .min = 1,
                  .max = 1000},
                 options.search_after);
+  visitor.field({.key = "turn_sd_m",
+                 .unit = "m",
+                 .help = "sd of log step over the path's curvature, which filtering doesn't reduce",
+                 .min = 0,
+                 .max = 10},
+                options.turn_sd_m);
   visitor.field({.key = "unsettled_prior_factor",
                  .unit = "",
                  .help = "how much wider the normal's prior is until the mounting has been found",

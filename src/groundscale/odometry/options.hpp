@@ -31,6 +31,9 @@ struct GroundOptions {
   bool use_structure = true;    ///< Predict the speed from tracked points seen in both pairs.
   int reopen_after = 5;         ///< Refusals in a row after which the filter trusts itself less.
   int search_after = 3;         ///< Refusals in a row after which the step is searched for anew.
+  /// Sd of log step over the path's curvature, besides the filter's own: in a turn the road that is in view isn't the
+  /// one that is driven on, and neighbouring frames share that error, so that no filter averages it out.
+  double turn_sd_m = 0.3;
   double unsettled_prior_factor = 3.0;  ///< Until then the normal's prior is that much wider.
   int settle_after = 15;                ///< Accepted measurements that find the mounting.
 };

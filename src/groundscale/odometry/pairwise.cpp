@@ -35,6 +35,15 @@ double mounting_weight(double curvature_per_m, double log_step_sd) {
   return std::min(1.0, std::pow(kPreciseSd / log_step_sd, 2)) / (1.0 + turn * turn);
 }
 
+/// Turn over distance from one pose to the next; where the camera hardly moves that is noise, so no more than in the
+/// tightest turn of a road vehicle.
+double curvature_of(const RigidTransform& before, const RigidTransform& now) {
+  constexpr double kTightestPerM = 0.25;
+  const double step = (now.translation - before.translation).norm();
+  const double turn = log_so3(before.rotation.transpose() * now.rotation).norm();
+  return step > 0.0 ? std::min(kTightestPerM, turn / step) : 0.0;
+}
+
 /// Whether two images differ by less than a grey level on average.
 bool same_image(const Image& a, const Image& b) {
   if (a.width() != b.width() || a.height() != b.height()) return false;
@@ -130,11 +139,13 @@ const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& ro
 
 const FrameResult& PairwiseOdometry::append(FrameResult result, double step) {
   result.online_step_m = step;
-  if (filter_->started()) result.online_step_sd = filter_->state().log_speed_sd;
-  online_poses_.push_back(
+  const RigidTransform pose =
       result.reference < 0
           ? RigidTransform{}
-          : place(result, online_poses_[static_cast<std::size_t>(result.reference)], online_poses_.back(), step));
+          : place(result, online_poses_[static_cast<std::size_t>(result.reference)], online_poses_.back(), step);
+  if (!online_poses_.empty()) result.turn_sd = options_.ground.turn_sd_m * curvature_of(online_poses_.back(), pose);
+  if (filter_->started()) result.online_step_sd = std::hypot(filter_->state().log_speed_sd, result.turn_sd);
+  online_poses_.push_back(pose);
   filter_->keep();
   results_.push_back(std::move(result));
   return results_.back();
@@ -327,7 +338,7 @@ void PairwiseOdometry::finish() {
     if (k == 0 || result.online_step_m <= 0.0 || !(states[k].speed_mps > 0.0) || result.online_step_sd <= 0.0) continue;
     const double dt = std::max(kMinStepTimeS, result.time_s - results_[k - 1].time_s);
     result.step_m = states[k].speed_mps * dt;
-    result.step_sd = states[k].log_speed_sd;
+    result.step_sd = std::hypot(states[k].log_speed_sd, result.turn_sd);
     if (!first) first = k;
   }
   // Steps from before the first measurement hang together with its own step: they follow it.
