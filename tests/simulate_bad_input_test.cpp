@@ -181,6 +181,27 @@ std::vector<Row> time_file_rows() {
          times[6] = times[7] = "0.6";
          return s.run_with_times(times);
        }},
+      {"times closer together than the shutter is open", "is the least there may be between them",
+       [](const Setting& s) {
+         Rows times = time_rows();
+         times[7] = "0.601";
+         return s.run_with_times(times);
+       }},
+      {"a vehicle on its side", "the vehicle is tilted by 90 degrees against the mean of all",
+       [](const Setting& s) {
+         // Its right side is down.
+         return s.run_along(straight_but(40, fmt::format("0 1 0 0 -1 0 0 0 0 0 1 {}", kStepM * 40)));
+       }},
+      {"poses in the folder that is written", "where the drive's own files would replace it",
+       [](const Setting& s) {
+         const std::string folder = fs::path(s.path("poses.txt")).parent_path().string();
+         return run_program({"simulate", "--output", folder, "--no-cache", "--force", "--preset", "small",
+                             "--trajectory", s.path("poses.txt")});
+       }},
+      {"output without a name", "--output: the folder's name is empty",
+       [](const Setting&) {
+         return run_program({"simulate", "--output", "", "--no-cache", "--preset", "small", "--frames", "1"});
+       }},
       {"times that are no numbers", "must be one number, a time in seconds",
        [](const Setting& s) { return s.run_with_times(Rows(kPoses, "noon")); }},
       {"times without poses", "--times requires --trajectory",

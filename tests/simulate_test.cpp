@@ -149,5 +149,15 @@ TEST_F(SimulateCache, ThatCanNotBeWrittenIsNoError) {
   EXPECT_TRUE(fs::exists(folder_ / "drive/image_0/000001.png"));
 }
 
+TEST(Simulate, NeverRemovesImagesThatNoSimulationHasMade) {
+  const TempFolder folder;
+  fs::create_directories(folder / "image_0");
+  folder.file("image_0/000000.png", "somebody's");
+  const ProgramRun run = simulate(folder / "", {"--frames", "2", "--force"});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.err, testing::HasSubstr("image_0 in it holds what no simulation has made"));
+  EXPECT_EQ(*read_text(folder / "image_0/000000.png"), "somebody's");
+}
+
 }  // namespace
 }  // namespace groundscale

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
@@ -37,6 +38,7 @@ struct SimulateArguments {
 };
 
 constexpr int kLargestPx = 16384;
+constexpr double kMostPx = 64e6;  // 48 bytes of rays each
 
 /// The preset with the camera file's camera and mounting, then what --set says. A route's surroundings lie between.
 Result<CameraPreset> camera_of(const SimulateArguments& arguments, Surroundings surroundings) {
@@ -54,10 +56,12 @@ Result<CameraPreset> camera_of(const SimulateArguments& arguments, Surroundings 
     if (setup->roll_rad) rig.roll_deg = kDegPerRad * *setup->roll_rad;
     if (setup->yaw_rad) rig.yaw_deg = kDegPerRad * *setup->yaw_rad;
   }
-  if (std::max(preset->camera->width(), preset->camera->height()) > kLargestPx) {
+  const int width = preset->camera->width();
+  const int height = preset->camera->height();
+  if (std::max(width, height) > kLargestPx || static_cast<double>(width) * height > kMostPx) {
     return Error{ErrorCode::kBadInput,
-                 fmt::format("{}: images of {} x {} px; up to {} px a side are rendered", arguments.camera,
-                             preset->camera->width(), preset->camera->height(), kLargestPx)};
+                 fmt::format("{}: images of {} x {} px; up to {} px a side and {:.0f} in all are rendered",
+                             arguments.camera, width, height, kLargestPx, kMostPx)};
   }
   SimulationOptions& options = preset->options;
   set_surroundings(surroundings, options.world);
@@ -129,7 +133,24 @@ std::string source_of(const SimulateArguments& arguments) {
   return fmt::format("{}, seed {}", text, arguments.seed);
 }
 
+/// What is read must not be what is written over.
+Result<void> check_inputs(const SimulateArguments& arguments) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path output = fs::weakly_canonical(arguments.output.folder, error);
+  const std::pair<const char*, std::string> inputs[] = {
+      {"--trajectory", arguments.trajectory}, {"--times", arguments.times}, {"--camera", arguments.camera}};
+  for (const auto& [option, file] : inputs) {
+    if (file.empty() || fs::weakly_canonical(file, error).parent_path() != output) continue;
+    return Error{ErrorCode::kBadInput,
+                 fmt::format("{} {}: lies in --output {}, where the drive's own files would replace it", option, file,
+                             arguments.output.folder)};
+  }
+  return {};
+}
+
 Result<void> simulate(const SimulateArguments& arguments) {
+  if (auto checked = check_inputs(arguments); !checked) return checked;
   const auto drive = arguments.trajectory.empty() ? plan_route(arguments) : plan_trajectory(arguments);
   if (!drive) return drive.error();
   DriveOutput output = arguments.output;

@@ -20,7 +20,7 @@ enum Column { kFrame, kTime, kStepSd, kOnlineStep, kRawStep, kRawStepSd, kReason
 /// Those from here on may be missing.
 constexpr std::size_t kNeeded = kOnlineStepSd;
 constexpr std::array<std::string_view, kColumns> kNames{"frame",      "time_s",        "step_sd_m", "online_step_m",
-                                                        "raw_step_m", "raw_step_sd_m", "reason", "online_step_sd_m"};
+                                                        "raw_step_m", "raw_step_sd_m", "reason",    "online_step_sd_m"};
 
 /// Fields of a line of comma separated values; "" inside quotes is a quote.
 std::vector<std::string> split_fields(std::string_view line) {

@@ -64,6 +64,8 @@ std::vector<Column> figure_columns() {
     for (Column& column : scale_columns(prefix)) columns.push_back(std::move(column));
   }
   columns.push_back({.name = "raw_rms_turn", .title = "rms %, turns", .decimals = 2});
+  columns.push_back({.name = "online_within_2_sd_straight", .title = "within 2 sd %, straights", .decimals = 1});
+  columns.push_back({.name = "online_within_2_sd_turn", .title = "within 2 sd %, turns", .decimals = 1});
   return columns;
 }
 
@@ -71,6 +73,7 @@ std::vector<std::string> scale_names(const std::string& prefix) {
   std::vector<std::string> names = {"drive"};
   for (const Column& column : scale_columns(prefix)) names.push_back(column.name);
   if (prefix == "raw_") names.emplace_back("raw_rms_turn");
+  if (prefix == "online_") names.insert(names.end(), {"online_within_2_sd_straight", "online_within_2_sd_turn"});
   return names;
 }
 

@@ -32,7 +32,7 @@ echo "$1" >> '{}'
 case $1 in
 run)
   mkdir -p "$4"
-  echo '{{"frames": 3, "time": {{"median_ms_a_frame": 5.5, "p95_ms_a_frame": 6.5}}, "warnings": ["dark"]}}' > "$4/summary.json";;
+  echo '{{"frames": 3, "accepted_measurements": 3, "states": {{"moving": 4}}, "matching": {{"rms_px": 0.13}}, "time": {{"median_ms_a_frame": 5.5, "p95_ms_a_frame": 6.5}}, "warnings": ["dark"]}}' > "$4/summary.json";;
 evaluate)
   echo '{{"moving": {{"steps": 2}}, "turns": {{"steps": 1}},
          "figures": {{"scale_bias": {{"value": -0.5}}, "t_rel": {{"value": null}}}}}}' > "$6";;

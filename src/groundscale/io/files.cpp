@@ -97,6 +97,7 @@ void LineWriter::take_back() {
 }
 
 Result<void> check_output_folder(const std::string& option, const std::string& folder, bool force) {
+  if (folder.empty()) return internal::bad_input(fmt::format("{}: the folder's name is empty", option));
   std::error_code ignored;
   if (!std::filesystem::exists(folder, ignored)) return {};
   if (!std::filesystem::is_directory(folder, ignored)) {

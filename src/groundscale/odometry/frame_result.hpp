@@ -37,7 +37,7 @@ struct FrameResult {
   bool scaled = false;
   double online_step_sd = 0.0;  ///< Of log step, filtered.
   double step_sd = 0.0;         ///< Of log step, smoothed.
-  double turn_sd = 0.0;         ///< The part of both that a turn adds.
+  double shape_sd = 0.0;        ///< The part of both that turns, crests and dips add.
 
   /// This frame's own measurement over the online step of its pair; empty where none was made.
   std::optional<double> raw_over_online;

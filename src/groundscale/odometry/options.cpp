@@ -45,6 +45,12 @@ void visit_fields(GroundOptions& options, FieldVisitor& visitor) {
                  .min = 0,
                  .max = 10},
                 options.turn_sd_m);
+  visitor.field({.key = "crest_sd_m",
+                 .unit = "m",
+                 .help = "the same over the path's curvature upwards or downwards, over the last 10 m",
+                 .min = 0,
+                 .max = 200},
+                options.crest_sd_m);
   visitor.field({.key = "unsettled_prior_factor",
                  .unit = "",
                  .help = "how much wider the normal's prior is until the mounting has been found",

@@ -34,6 +34,10 @@ struct GroundOptions {
   /// Sd of log step over the path's curvature, besides the filter's own: in a turn the road that is in view isn't the
   /// one that is driven on, and neighbouring frames share that error, so that no filter averages it out.
   double turn_sd_m = 0.3;
+  /// The same for the path's curvature upwards or downwards. A plane through road that lies 4 to 22 m ahead misses the
+  /// height of a parabola beneath the camera by curvature * near * far / 2: over 1.65 m that is 27 m times the
+  /// curvature.
+  double crest_sd_m = 27.0;
   double unsettled_prior_factor = 3.0;  ///< Until then the normal's prior is that much wider.
   int settle_after = 15;                ///< Accepted measurements that find the mounting.
 };

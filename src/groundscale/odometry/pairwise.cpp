@@ -143,12 +143,29 @@ const FrameResult& PairwiseOdometry::append(FrameResult result, double step) {
       result.reference < 0
           ? RigidTransform{}
           : place(result, online_poses_[static_cast<std::size_t>(result.reference)], online_poses_.back(), step);
-  if (!online_poses_.empty()) result.turn_sd = options_.ground.turn_sd_m * curvature_of(online_poses_.back(), pose);
-  if (filter_->started()) result.online_step_sd = std::hypot(filter_->state().log_speed_sd, result.turn_sd);
   online_poses_.push_back(pose);
+  result.shape_sd = shape_sd();
+  if (filter_->started()) result.online_step_sd = std::hypot(filter_->state().log_speed_sd, result.shape_sd);
   filter_->keep();
   results_.push_back(std::move(result));
   return results_.back();
+}
+
+double PairwiseOdometry::shape_sd() const {
+  if (online_poses_.size() < 2) return 0.0;
+  const RigidTransform& now = online_poses_.back();
+  const double turning = options_.ground.turn_sd_m * curvature_of(online_poses_[online_poses_.size() - 2], now);
+  // Pitch from a few metres back, so that the vehicle's nodding counts little.
+  constexpr double kBackM = 10.0;
+  std::size_t before = online_poses_.size() - 1;
+  const auto distance = [&] { return (now.translation - online_poses_[before].translation).norm(); };
+  while (before > 0 && distance() < kBackM) --before;
+  if (distance() < 0.5 * kBackM) return turning;
+  const Mounting mounting = mounting_.mounting();
+  const Eigen::Vector3d forward =
+      online_poses_[before].rotation.transpose() * (now.rotation * mounting.forward_in_cam());
+  const double crest = std::asin(std::clamp(mounting.normal_in_cam().dot(forward), -1.0, 1.0)) / distance();
+  return std::hypot(turning, options_.ground.crest_sd_m * crest);
 }
 
 void PairwiseOdometry::remember_view(const Frame& frame, int result_index) {
@@ -338,7 +355,7 @@ void PairwiseOdometry::finish() {
     if (k == 0 || result.online_step_m <= 0.0 || !(states[k].speed_mps > 0.0) || result.online_step_sd <= 0.0) continue;
     const double dt = std::max(kMinStepTimeS, result.time_s - results_[k - 1].time_s);
     result.step_m = states[k].speed_mps * dt;
-    result.step_sd = std::hypot(states[k].log_speed_sd, result.turn_sd);
+    result.step_sd = std::hypot(states[k].log_speed_sd, result.shape_sd);
     if (!first) first = k;
   }
   // Steps from before the first measurement hang together with its own step: they follow it.

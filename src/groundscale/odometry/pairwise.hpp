@@ -94,6 +94,8 @@ class PairwiseOdometry {
   void take_scale(double distance_m, double provisional_distance);
   GroundStep step_of(const Pair& pair, double dt_s) const;
   double lead_of(const Pair& pair) const;
+  /// Sd of log step that neighbouring frames share, so that filtering doesn't reduce it: from turns, crests and dips.
+  double shape_sd() const;
   double time_since_last(const Frame& frame) const;
   /// Sd of the log of a measured distance: the formal one, enlarged as the filter does.
   double enlarged_log_sd(const GroundObservation& observation) const;

@@ -42,10 +42,11 @@ std::string speed_refusal(const GateCandidate& candidate, const GateContext& con
   // Change of the distance that the vehicle can make since the last frame, beside what isn't known of it.
   constexpr double kSigmas = 3.0;
   const double sd = std::hypot(context.expected_log_sd, candidate.log_sd);
-  const double possible = options.max_acceleration_mps2 * context.step_time_s * context.pair_time_s +
-                          kSigmas * sd * context.expected_distance_m;
+  const double driven = options.max_acceleration_mps2 * context.step_time_s * context.pair_time_s;
   const double change = candidate.distance_m - context.expected_distance_m;
-  if (std::abs(change) <= possible) return {};
+  // The sd is that of a logarithm: after a halt, when it is large, the step may be many times what was expected.
+  const double share = change > 0.0 ? std::expm1(kSigmas * sd) : kSigmas * sd;
+  if (std::abs(change) <= driven + share * context.expected_distance_m) return {};
   return fmt::format("step of {:.2f} m where {:.2f} m were expected", candidate.distance_m,
                      context.expected_distance_m);
 }

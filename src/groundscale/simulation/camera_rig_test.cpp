@@ -13,6 +13,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 RoadSurface road(const std::vector<PathPiece>& pieces, const std::vector<HeightWave>& waves, double crown) {
   RoadProfile profile;
   profile.crown = crown;
+  profile.roughness_m = 0.0;
   return RoadSurface(Path::of_pieces(pieces, waves), profile);
 }
 

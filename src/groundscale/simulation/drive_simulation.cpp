@@ -85,6 +85,7 @@ World world_about(const Path& path, const CameraPreset& camera, std::uint64_t se
 }
 
 constexpr double kSPerMs = 1e-3;
+constexpr double kShortestIntervalS = 1e-4;
 
 }  // namespace
 
@@ -100,10 +101,14 @@ Result<SimulatedDrive> drive_along(const Trajectory& poses, const std::vector<do
   if (times_s.size() != poses.world_from_cam.size()) {
     return Error{ErrorCode::kBadInput, fmt::format("{} times for {} poses", times_s.size(), poses.size())};
   }
+  const double shortest_s = std::max(kShortestIntervalS, kSPerMs * camera.options.shutter_ms);
   for (std::size_t k = 1; k < times_s.size(); ++k) {
-    if (times_s[k] > times_s[k - 1]) continue;
-    return Error{ErrorCode::kBadInput,
-                 fmt::format("time {} is {} s, not after the one before, {} s", k, times_s[k], times_s[k - 1])};
+    if (times_s[k] - times_s[k - 1] >= shortest_s) continue;
+    return Error{
+        ErrorCode::kBadInput,
+        fmt::format("time {} is {} s and the one before {} s; {} s is the least there may be between them (the "
+                    "shutter is open for {} ms)",
+                    k, times_s[k], times_s[k - 1], shortest_s, camera.options.shutter_ms)};
   }
   const Result<LaidRoad> road = lay_road(poses, camera.options.rig, camera.options.world.profile);
   if (!road) return road.error();

@@ -1,5 +1,6 @@
 #include "groundscale/simulation/drive_writer.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <filesystem>
@@ -242,20 +243,41 @@ Result<void> write_head(const std::string& folder, const SimulatedDrive& drive, 
                   fmt::join(drive.camera.region_px, ", ")));
 }
 
-/// What an earlier drive has left in the folder, so that nothing of it passes for this one's.
-void remove_earlier(const std::string& folder) {
+/// NNNNNN.png
+bool is_numbered(const std::string& name) {
+  constexpr std::size_t kDigits = 6;
+  return name.size() == kDigits + 4 && name.ends_with(".png") &&
+         std::all_of(name.begin(), name.begin() + kDigits, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// Removes what an earlier drive has left in the folder, so that nothing of it passes for this one's.
+/// @return kBadInput where there are images that no simulation has made: they may be somebody's data.
+Result<void> remove_earlier(const std::string& folder) {
   std::error_code ignored;
-  if (fs::exists(folder + "/simulation.yaml", ignored)) {
-    for (const char* name : {"calib.txt", "config.yaml", "poses.txt", "times.txt", "truth.csv"}) {
-      fs::remove(fmt::format("{}/{}", folder, name), ignored);
-    }
-  }
-  // Its numbered images would be frames of this one.
+  const bool simulated = fs::exists(folder + "/simulation.yaml", ignored);
   for (const char* name : {"image_0", "depth", "road_masks"}) {
     const std::string images = fmt::format("{}/{}", folder, name);
-    for (std::size_t frame = 0; fs::remove(images + "/" + image_name(frame), ignored); ++frame) continue;
+    if (!simulated && fs::exists(images, ignored) && !fs::is_empty(images, ignored)) {
+      return Error{ErrorCode::kBadInput,
+                   fmt::format("--output {}: {} in it holds what no simulation has made (there is no simulation.yaml); "
+                               "another folder is needed",
+                               folder, name)};
+    }
+  }
+  if (!simulated) return {};
+  for (const char* name : {"calib.txt", "config.yaml", "poses.txt", "times.txt", "truth.csv"}) {
+    fs::remove(fmt::format("{}/{}", folder, name), ignored);
+  }
+  for (const char* name : {"image_0", "depth", "road_masks"}) {
+    const std::string images = fmt::format("{}/{}", folder, name);
+    std::vector<fs::path> numbered;
+    for (fs::directory_iterator entry(images, ignored), end; entry != end; entry.increment(ignored)) {
+      if (is_numbered(entry->path().filename().string())) numbered.push_back(entry->path());
+    }
+    for (const fs::path& path : numbered) fs::remove(path, ignored);
     fs::remove(images, ignored);  // where it is empty
   }
+  return {};
 }
 
 /// One image or all of a frame: what was written of it before a failure is removed.
@@ -290,8 +312,14 @@ std::string drive_key(const SimulatedDrive& drive) {
   hash.add(fmt::format("world {}, {}, seed {}, {} x {}\n", kWorldVersion, RayScene::instruction_set(), drive.seed,
                        drive.camera.camera->width(), drive.camera.camera->height()));
   hash.add(options_text(drive));
-  const Renderer renderer(drive.world, drive.camera.camera, {});
-  hash.add(renderer.rays().data(), renderer.rays().size() * sizeof(Eigen::Vector3f));
+  // The camera by what it does: rays all over the image.
+  const Camera& camera = *drive.camera.camera;
+  constexpr int kStridePx = 8;
+  for (int y = 0; y < camera.height(); y += kStridePx) {
+    for (int x = 0; x < camera.width(); x += kStridePx) {
+      hash.add(camera.ray({static_cast<double>(x), static_cast<double>(y)}).value_or(Eigen::Vector3d::Zero()));
+    }
+  }
   for (const Path& road : drive.world.surface.roads()) {
     for (double s = 0.0; s <= road.length_m(); s += 1.0) hash.add(road.at(s).position);
   }
@@ -340,7 +368,8 @@ Result<void> write_drive(const SimulatedDrive& drive, const DriveOutput& output,
     return Error{ErrorCode::kBadInput, fmt::format("--frames {}: the drive has {}", frames, drive.moments.size())};
   }
   if (auto free = check_output_folder("--output", output.folder, output.force); !free) return free;
-  remove_earlier(output.folder);
+  if (auto removed = remove_earlier(output.folder); !removed) return removed;
+  if (auto done = make_output_folder("--output", output.folder); !done) return done;
   for (const std::string& name : image_folders(output)) {
     if (auto done = make_output_folder("--output", output.folder + "/" + name); !done) return done;
   }

@@ -31,12 +31,31 @@ Eigen::Vector3d level(const Eigen::Vector3d& v) { return {v.x(), 0.0, v.z()}; }
 std::vector<RigidTransform> levelled(const std::vector<RigidTransform>& given, const Eigen::Vector3d& normal_in_cam) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const RigidTransform& pose : given) mean += pose.rotation * normal_in_cam;
+  if (!(mean.norm() > 0.1 * static_cast<double>(given.size()))) mean = Eigen::Vector3d::UnitY();  // they contradict
   const Eigen::Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitY()).toRotationMatrix();
   std::vector<RigidTransform> poses;
   for (const RigidTransform& pose : given) {
     poses.push_back({turn * pose.rotation, turn * (pose.translation - given.front().translation)});
   }
   return poses;
+}
+
+/// Whether a road vehicle can lie so.
+Result<void> check_attitudes(const std::vector<RigidTransform>& poses, const Eigen::Vector3d& normal_in_cam) {
+  constexpr double kMostDeg = 45.0;
+  constexpr double kDegPerRad = 57.29577951308232;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const Eigen::Vector3d down = poses[k].rotation * normal_in_cam;
+    const double tilt_deg = kDegPerRad * std::atan2(level(down).norm(), down.y());
+    if (tilt_deg <= kMostDeg) continue;
+    return Error{
+        ErrorCode::kBadInput,
+        fmt::format("at pose {}, counted from 0, the vehicle is tilted by {:.0f} degrees against the mean of all; "
+                    "a road needs less than {}. If the camera is mounted with a roll or pitch, rig.roll_deg and "
+                    "rig.pitch_deg must say so",
+                    k, tilt_deg, kMostDeg)};
+  }
+  return {};
 }
 
 /// Takes out climbs that the vehicle's own attitude contradicts: KITTI's truth rises by metres where the car stands.
@@ -310,6 +329,7 @@ Result<LaidRoad> lay_road(const Trajectory& given, const CameraRig& rig, const R
   if (auto checked = check_steps(given.world_from_cam); !checked) return checked.error();
   const Eigen::Vector3d normal = rig.mounting().normal_in_cam();
   std::vector<RigidTransform> poses = levelled(given.world_from_cam, normal);
+  if (auto checked = check_attitudes(poses, normal); !checked) return checked.error();
   steady(poses, normal);
   const std::vector<double> distance = distances(poses);
   constexpr double kShortestM = 5.0;

@@ -41,7 +41,7 @@ Path crossing(double rise_m) {
 TEST(LaidRoad, LiesUnderTheCameraAtItsHeight) {
   const Path path = Path::of_pieces({{60.0, 0.0}, {20.0, 0.03}, {60.0, 0.03}}, {{1.0, 150.0, 0.2}});
   const LaidRoad road = lay_road(poses_over(path, 0.9), {}, {}).value();
-  const RoadSurface surface(road.path, {});
+  const RoadSurface surface(road.path, {.roughness_m = 0.0});
   for (const RigidTransform& pose : road.world_from_cam) {
     const Eigen::Vector3d& camera = pose.translation;
     const Eigen::Vector3d beneath(camera.x(), surface.ground_y(camera.x(), camera.z()), camera.z());

@@ -28,10 +28,6 @@ class Renderer {
   /// The world must outlive the renderer.
   Renderer(const World& world, CameraPtr camera, const RenderOptions& options);
 
-  const CameraPtr& camera() const { return camera_; }
-  /// Of the 2 x 2 places of each pixel, row by row; zero where the camera has none.
-  const std::vector<Eigen::Vector3f>& rays() const { return rays_; }
-
   /// @param moving  What moves, as it lies in the middle of the exposure; none where null.
   Radiance render(const Shutter& shutter, const RayScene* moving = nullptr) const;
 

@@ -8,10 +8,13 @@
 namespace groundscale {
 namespace {
 
-RoadSurface straight_road() { return RoadSurface(Path::of_pieces({{100.0, 0.0}}, {}), {}); }
+/// The smooth shape of roads.
+const RoadProfile kSmooth{.roughness_m = 0.0};
+
+RoadSurface straight_road() { return RoadSurface(Path::of_pieces({{100.0, 0.0}}, {}), kSmooth); }
 
 TEST(RoadSurface, ThePathLiesOnTheRoadAtItsOwnHeight) {
-  const RoadSurface surface(Path::of_pieces(turn_pieces(1.5, 12.0, 6.0), {{1.0, 60.0, 0.3}}), {});
+  const RoadSurface surface(Path::of_pieces(turn_pieces(1.5, 12.0, 6.0), {{1.0, 60.0, 0.3}}), kSmooth);
   for (const double s : {0.0, 3.3, 9.9, 17.0}) {
     const PathPoint point = surface.path().at(s);
     const RoadPlace place = surface.locate(point.position.x(), point.position.z());
@@ -20,6 +23,19 @@ TEST(RoadSurface, ThePathLiesOnTheRoadAtItsOwnHeight) {
     EXPECT_EQ(place.ground, Ground::kRoad);
     EXPECT_NEAR(place.ground_y, point.position.y(), 1e-3);
   }
+}
+
+TEST(RoadSurface, IsRoughByAsMuchAsTheProfileSays) {
+  const RoadSurface surface(Path::of_pieces({{100.0, 0.0}}, {}), {.crown = 0.0, .roughness_m = 0.005});
+  double squares = 0.0;
+  int places = 0;
+  for (double z = 1.0; z < 99.0; z += 0.7) {
+    for (double x = -4.0; x < 1.0; x += 0.7, ++places) squares += std::pow(surface.ground_y(x, z), 2);
+  }
+  // Waves of up to 6 m over 100 m by 5 m: some fifty independent values.
+  EXPECT_NEAR(std::sqrt(squares / places), 0.005, 0.0015);
+  // The kerb's foot stays where it is.
+  EXPECT_NEAR(surface.ground_y(1.85 - 1e-6, 40.0), 0.0, 1e-6);
 }
 
 TEST(RoadSurface, TheCrossSectionIsTheProfiles) {
@@ -50,7 +66,7 @@ Path block(double rise_m) {
 
 TEST(RoadSurface, TwoPassesFindOneGroundBetweenTheirHeights) {
   const Path path = block(0.02);
-  const RoadSurface surface(path, {});
+  const RoadSurface surface(path, kSmooth);
   const double round = path.length_m() / 5.0 * 4.0;
   const PathPoint first = path.at(30.0);
   const PathPoint second = path.at(round + 30.0);
@@ -69,7 +85,7 @@ TEST(RoadSurface, WhereAPathCrossesItselfThereAreNoKerbs) {
   }
   pieces.push_back({60.0, 0.0});
   const Path path = Path::of_pieces(pieces, {});
-  const RoadSurface surface(path, {});
+  const RoadSurface surface(path, kSmooth);
   // Along the last straight, over the first one's kerbs.
   bool crossed = false;
   for (double s = path.length_m() - 60.0; s < path.length_m(); s += 0.5) {
