@@ -61,7 +61,8 @@ class RoadMasksOfRun : public testing::Test {
       int commas = 0;
       std::size_t at = 0;
       for (constexpr int kBefore = 13; commas < kBefore; ++commas) at = line.find(',', at) + 1;
-      reasons.push_back(line.substr(at));
+      // The column after it is a number or empty.
+      reasons.push_back(line.substr(at, line.rfind(',') - at));
     }
     return reasons;
   }
