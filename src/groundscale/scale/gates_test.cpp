@@ -106,5 +106,14 @@ TEST_F(Refusal, NamesAStepThatNoVehicleMakes) {
   EXPECT_EQ(refused(), "");
 }
 
+TEST_F(Refusal, AfterAHaltAStepMayBeManyTimesWhatWasExpected) {
+  // What is left of a step after a halt is known within a factor of e^1.4 at best.
+  context_.expected_distance_m = 0.02;
+  context_.expected_log_sd = 1.4;
+  EXPECT_EQ(refused(), "");
+  context_.expected_log_sd = 0.1;
+  EXPECT_THAT(refused(), HasSubstr("where 0.02 m were expected"));
+}
+
 }  // namespace
 }  // namespace groundscale
