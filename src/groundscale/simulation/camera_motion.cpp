@@ -41,11 +41,8 @@ std::vector<CameraMoment> moments_of_laid_road(const LaidRoad& road, const std::
     const std::size_t after = std::min(k + 1, count - 1);
     const double interval_s = times_s[after] - times_s[before];
     GS_CHECK(interval_s > 0.0, "times rise");
-    CameraMoment moment{times_s[k],
-                        road.distance_m[k],
-                        (road.distance_m[after] - road.distance_m[before]) / interval_s,
-                        road.world_from_cam[k],
-                        {}};
+    const double way = (road.world_from_cam[after].translation - road.world_from_cam[before].translation).norm();
+    CameraMoment moment{times_s[k], road.distance_m[k], way / interval_s, road.world_from_cam[k], {}};
     // As fast as from the frame before to the one after.
     const RigidTransform motion =
         moment.world_from_cam.inverse() * between(road.world_from_cam[before], road.world_from_cam[after], 0.5);
