@@ -38,9 +38,9 @@ struct Figure {
   std::optional<double> (*of)(const Side&);
 };
 
-template <int kBand>
+template <int Band>
 std::optional<double> noise_of(const Side& side) {
-  return side.images.noise[kBand];
+  return side.images.noise[Band];
 }
 
 const std::vector<Figure>& figures() {
