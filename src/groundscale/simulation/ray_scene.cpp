@@ -32,9 +32,9 @@ void aim(Ray& ray, const Eigen::Vector3d& origin, const Eigen::Vector3d& directi
 }
 
 /// Fills Embree's own packet, of 4 or 8 rays, from ours, beginning at `first`.
-template <std::size_t kCount, class Rays>
-void aim_packet(Rays& rays, int (&valid)[kCount], const RayPacket& packet, std::size_t first) {
-  for (std::size_t k = 0; k < kCount; ++k) {
+template <std::size_t Count, class Rays>
+void aim_packet(Rays& rays, int (&valid)[Count], const RayPacket& packet, std::size_t first) {
+  for (std::size_t k = 0; k < Count; ++k) {
     const Eigen::Vector3f& origin = packet.origin[first + k];
     const Eigen::Vector3f& direction = packet.direction[first + k];
     valid[k] = packet.valid[first + k] ? -1 : 0;
@@ -181,20 +181,20 @@ bool RayScene::blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& dir
 
 namespace {
 
-/// One packet of Embree's: `kCount` of our rays from `first` on.
-template <std::size_t kCount, class Query, class Intersect>
+/// One packet of Embree's: `Count` of our rays from `first` on.
+template <std::size_t Count, class Query, class Intersect>
 void hit_packet(RTCScene scene, const std::vector<TriangleMesh>& meshes, const RayPacket& rays, std::size_t first,
                 Intersect intersect, RayHits& hits) {
-  alignas(32) int valid[kCount];
+  alignas(32) int valid[Count];
   alignas(32) Query query{};
   aim_packet(query.ray, valid, rays, first);
-  for (std::size_t k = 0; k < kCount; ++k) {
+  for (std::size_t k = 0; k < Count; ++k) {
     query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
   }
   RTCIntersectContext context = coherent_context();
   intersect(valid, scene, &context, &query);
-  for (std::size_t k = 0; k < kCount; ++k) {
+  for (std::size_t k = 0; k < Count; ++k) {
     if (!rays.valid[first + k]) continue;
     hits[first + k] =
         hit_of(meshes,
@@ -204,14 +204,14 @@ void hit_packet(RTCScene scene, const std::vector<TriangleMesh>& meshes, const R
   }
 }
 
-template <std::size_t kCount, class Query, class Occluded>
+template <std::size_t Count, class Query, class Occluded>
 void block_packet(RTCScene scene, const RayPacket& rays, std::size_t first, Occluded occluded, RayFlags& blocked) {
-  alignas(32) int valid[kCount];
+  alignas(32) int valid[Count];
   alignas(32) Query query{};
   aim_packet(query, valid, rays, first);
   RTCIntersectContext context = coherent_context();
   occluded(valid, scene, &context, &query);
-  for (std::size_t k = 0; k < kCount; ++k) blocked[first + k] = rays.valid[first + k] && query.tfar[k] < 0.0F;
+  for (std::size_t k = 0; k < Count; ++k) blocked[first + k] = rays.valid[first + k] && query.tfar[k] < 0.0F;
 }
 
 }  // namespace
