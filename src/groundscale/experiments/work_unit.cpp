@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "groundscale/core/hash.hpp"
 #include "groundscale/io/files.hpp"
 
 namespace groundscale {
@@ -54,11 +55,9 @@ Result<void> WorkUnit::complete(bool anew, const std::function<Result<void>()>& 
 Result<std::string> file_digest(const std::string& path) {
   const auto bytes = read_text(path);
   if (!bytes) return bytes.error();
-  constexpr std::uint64_t kOffset = 14695981039346656037U;
-  constexpr std::uint64_t kPrime = 1099511628211U;
-  std::uint64_t hash = kOffset;
-  for (const char byte : *bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * kPrime;
-  return fmt::format("{:016x}", hash);
+  Fnv1a hash;
+  hash.add(*bytes);
+  return hash.text();
 }
 
 }  // namespace groundscale

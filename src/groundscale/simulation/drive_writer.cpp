@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "groundscale/camera/pinhole.hpp"
+#include "groundscale/core/hash.hpp"
 #include "groundscale/io/camera_file.hpp"
 #include "groundscale/io/config.hpp"
 #include "groundscale/io/files.hpp"
@@ -29,27 +30,17 @@ std::string options_text(const SimulatedDrive& drive) {
   return to_yaml([&options](FieldVisitor& visitor) { visit_fields(options, visitor); });
 }
 
-/// FNV-1a, 64 bits (Fowler, Noll, Vo).
-class Hash {
- public:
-  void add(const void* bytes, std::size_t count) {
-    const auto* byte = static_cast<const unsigned char*>(bytes);
-    for (std::size_t k = 0; k < count; ++k) value_ = (value_ ^ byte[k]) * 0x100000001b3ULL;
-  }
-  void add(std::string_view text) { add(text.data(), text.size()); }
-  void add(double value) { add(&value, sizeof value); }
-  void add(const Eigen::Vector3d& v) {
-    for (const double value : v) add(value);
-  }
-  void add(const RigidTransform& pose) {
-    for (const double value : pose.rotation.reshaped()) add(value);
-    add(pose.translation);
-  }
-  std::string text() const { return fmt::format("{:016x}", value_); }
+void add(Fnv1a& hash, const Eigen::Vector3d& v) {
+  for (const double value : v) hash.add(value);
+}
 
- private:
-  std::uint64_t value_ = 0xcbf29ce484222325ULL;
-};
+void add(Fnv1a& hash, const RigidTransform& pose) {
+  for (const double value : pose.rotation.reshaped()) hash.add(value);
+  add(hash, pose.translation);
+}
+
+/// Folders of a drive that hold an image a frame.
+constexpr const char* kImageFolders[] = {"image_0", "depth", "road_masks"};
 
 std::string image_name(std::size_t frame) { return fmt::format("{:06d}.png", frame); }
 
@@ -255,7 +246,7 @@ bool is_numbered(const std::string& name) {
 Result<void> remove_earlier(const std::string& folder) {
   std::error_code ignored;
   const bool simulated = fs::exists(folder + "/simulation.yaml", ignored);
-  for (const char* name : {"image_0", "depth", "road_masks"}) {
+  for (const char* name : kImageFolders) {
     const std::string images = fmt::format("{}/{}", folder, name);
     if (!simulated && fs::exists(images, ignored) && !fs::is_empty(images, ignored)) {
       return Error{ErrorCode::kBadInput,
@@ -268,7 +259,7 @@ Result<void> remove_earlier(const std::string& folder) {
   for (const char* name : {"calib.txt", "config.yaml", "poses.txt", "times.txt", "truth.csv"}) {
     fs::remove(fmt::format("{}/{}", folder, name), ignored);
   }
-  for (const char* name : {"image_0", "depth", "road_masks"}) {
+  for (const char* name : kImageFolders) {
     const std::string images = fmt::format("{}/{}", folder, name);
     std::vector<fs::path> numbered;
     for (fs::directory_iterator entry(images, ignored), end; entry != end; entry.increment(ignored)) {
@@ -276,23 +267,6 @@ Result<void> remove_earlier(const std::string& folder) {
     }
     for (const fs::path& path : numbered) fs::remove(path, ignored);
     fs::remove(images, ignored);  // where it is empty
-  }
-  return {};
-}
-
-/// One image or all of a frame: what was written of it before a failure is removed.
-Result<void> write_frame(const std::string& folder, std::size_t frame,
-                         const std::vector<std::pair<std::string, Result<std::string>>>& images) {
-  std::error_code ignored;
-  for (std::size_t k = 0; k < images.size(); ++k) {
-    const auto& [name, bytes] = images[k];
-    const std::string path = fmt::format("{}/{}/{}", folder, name, image_name(frame));
-    const Result<void> done = bytes ? write_text(path, *bytes) : Result<void>(bytes.error());
-    if (done) continue;
-    for (std::size_t before = 0; before < k; ++before) {
-      fs::remove(fmt::format("{}/{}/{}", folder, images[before].first, image_name(frame)), ignored);
-    }
-    return done;
   }
   return {};
 }
@@ -307,7 +281,7 @@ std::string user_cache_folder() {
 }
 
 std::string drive_key(const SimulatedDrive& drive) {
-  Hash hash;
+  Fnv1a hash;
   // Embree's instruction set decides the last bits of what rays meet.
   hash.add(fmt::format("world {}, {}, seed {}, {} x {}\n", kWorldVersion, RayScene::instruction_set(), drive.seed,
                        drive.camera.camera->width(), drive.camera.camera->height()));
@@ -317,17 +291,17 @@ std::string drive_key(const SimulatedDrive& drive) {
   constexpr int kStridePx = 8;
   for (int y = 0; y < camera.height(); y += kStridePx) {
     for (int x = 0; x < camera.width(); x += kStridePx) {
-      hash.add(camera.ray({static_cast<double>(x), static_cast<double>(y)}).value_or(Eigen::Vector3d::Zero()));
+      add(hash, camera.ray({static_cast<double>(x), static_cast<double>(y)}).value_or(Eigen::Vector3d::Zero()));
     }
   }
   for (const Path& road : drive.world.surface.roads()) {
-    for (double s = 0.0; s <= road.length_m(); s += 1.0) hash.add(road.at(s).position);
+    for (double s = 0.0; s <= road.length_m(); s += 1.0) add(hash, road.at(s).position);
   }
   for (const CameraMoment& moment : drive.moments) {
     hash.add(moment.time_s);
-    hash.add(moment.world_from_cam);
-    hash.add(moment.shutter.world_from_cam_open);
-    hash.add(moment.shutter.world_from_cam_close);
+    add(hash, moment.world_from_cam);
+    add(hash, moment.shutter.world_from_cam_open);
+    add(hash, moment.shutter.world_from_cam_close);
   }
   return hash.text();
 }
@@ -349,13 +323,17 @@ Result<void> add_frame(const DriveOutput& output, const SimulatedDrive& drive, s
   bytes.emplace_back("image_0", images.image(frame));
   if (output.depth) bytes.emplace_back("depth", images.depth(frame));
   if (output.road_masks) bytes.emplace_back("road_masks", images.road_mask(frame));
-  if (auto done = write_frame(output.folder, frame, bytes); !done) return done;
-  auto done = rows.add(rows_of(drive, frame));
+  const auto path_of = [&](const std::string& name) {
+    return fmt::format("{}/{}/{}", output.folder, name, image_name(frame));
+  };
+  Result<void> done;
+  for (const auto& [name, image] : bytes) {
+    if (done) done = image ? write_text(path_of(name), *image) : Result<void>(image.error());
+  }
+  if (done) done = rows.add(rows_of(drive, frame));
   if (done) return done;
   std::error_code ignored;
-  for (const auto& [name, unused] : bytes) {
-    fs::remove(fmt::format("{}/{}/{}", output.folder, name, image_name(frame)), ignored);
-  }
+  for (const auto& [name, unused] : bytes) fs::remove(path_of(name), ignored);
   return done;
 }
 
