@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <thread>
 #include <utility>
@@ -47,7 +48,7 @@ Result<CameraPreset> camera_of(const SimulateArguments& arguments, Surroundings 
   if (!arguments.camera.empty()) {
     const Result<CameraSetup> setup = read_camera_file(arguments.camera, 0, 0);
     if (!setup) return setup.error();
-    constexpr double kDegPerRad = 57.29577951308232;
+    constexpr double kDegPerRad = 180.0 / std::numbers::pi;
     CameraRig& rig = preset->options.rig;
     preset->camera = setup->camera;
     preset->region_px.clear();

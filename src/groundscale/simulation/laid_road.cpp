@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <numbers>
 #include <tuple>
 #include <utility>
 
@@ -43,7 +44,7 @@ std::vector<RigidTransform> levelled(const std::vector<RigidTransform>& given, c
 /// Whether a road vehicle can lie so.
 Result<void> check_attitudes(const std::vector<RigidTransform>& poses, const Eigen::Vector3d& normal_in_cam) {
   constexpr double kMostDeg = 45.0;
-  constexpr double kDegPerRad = 57.29577951308232;
+  constexpr double kDegPerRad = 180.0 / std::numbers::pi;
   for (std::size_t k = 0; k < poses.size(); ++k) {
     const Eigen::Vector3d down = poses[k].rotation * normal_in_cam;
     const double tilt_deg = kDegPerRad * std::atan2(level(down).norm(), down.y());
@@ -233,10 +234,10 @@ class Correction {
 };
 
 /// The road's places under the camera's smoothed way.
-std::vector<PathPoint> places_under(const Track& track, double height_m) {
+/// @param down  Of the road there, smoothed.
+std::vector<PathPoint> places_under(const Track& track, const std::vector<Eigen::Vector3d>& down, double height_m) {
   const auto plan = smoothed(track.position, kPlanSdM);
   const auto heights = smoothed(track.position, kHeightSdM);
-  const auto down = smoothed(track.down, kLeanSdM);
   std::vector<PathPoint> places(plan.size());
   for (std::size_t k = 0; k < plan.size(); ++k) {
     places[k].position = {plan[k].x(), heights[k].y(), plan[k].z()};
@@ -246,8 +247,7 @@ std::vector<PathPoint> places_under(const Track& track, double height_m) {
 }
 
 /// Fall to the right that the road must have besides its crown for the vehicle to lie as it does on average.
-void bank(std::vector<PathPoint>& places, const Track& track, const RoadProfile& profile) {
-  const auto down = smoothed(track.down, kLeanSdM);
+void bank(std::vector<PathPoint>& places, const std::vector<Eigen::Vector3d>& down, const RoadProfile& profile) {
   const double crown = profile.lane_offset_m > 0.0 ? profile.crown : 0.0;
   for (std::size_t k = 0; k < places.size(); ++k) {
     const PathPoint& before = places[k == 0 ? 0 : k - 1];
@@ -338,8 +338,9 @@ Result<LaidRoad> lay_road(const Trajectory& given, const CameraRig& rig, const R
                  fmt::format("the poses go {:.2f} m in all, a road needs {} m", distance.back(), kShortestM)};
   }
   const Track track = resampled(poses, distance, normal);
-  std::vector<PathPoint> places = places_under(track, rig.height_m);
-  bank(places, track, profile);
+  const std::vector<Eigen::Vector3d> down = smoothed(track.down, kLeanSdM);
+  std::vector<PathPoint> places = places_under(track, down, rig.height_m);
+  bank(places, down, profile);
 
   std::vector<Eigen::Vector3d> feet;
   for (const PathPoint& place : places) feet.push_back(place.position);
