@@ -144,7 +144,8 @@ const FrameResult& PairwiseOdometry::append(FrameResult result, double step) {
           ? RigidTransform{}
           : place(result, online_poses_[static_cast<std::size_t>(result.reference)], online_poses_.back(), step);
   online_poses_.push_back(pose);
-  result.shape_sd = shape_sd();
+  // Where it stands there is no step to be wrong, and the way back is as long as the halt.
+  if (step > 0.0) result.shape_sd = shape_sd();
   if (filter_->started()) result.online_step_sd = std::hypot(filter_->state().log_speed_sd, result.shape_sd);
   filter_->keep();
   results_.push_back(std::move(result));
