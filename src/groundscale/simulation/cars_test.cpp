@@ -78,7 +78,6 @@ TEST(ParkedCars, StandAtBothKerbsAndApartFromEachOther) {
   Roadside roadside{.surface = surface,
                     .options = options,
                     .path = surface.path(),
-                    .lane_offset_m = surface.profile().lane_offset_m,
                     .begin_m = 0.0,
                     .end_m = 300.0,
                     .taken = taken,

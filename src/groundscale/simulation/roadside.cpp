@@ -58,7 +58,7 @@ Footing Roadside::footing(double distance_m, double from_crest_m) const {
   Footing footing;
   footing.along = point.forward();
   footing.right = point.right();
-  footing.origin = point.position + (from_crest_m - lane_offset_m) * footing.right;
+  footing.origin = point.position + (from_crest_m - surface.profile().lane_offset_m) * footing.right;
   footing.origin.y() = surface.ground_y(footing.origin.x(), footing.origin.z());
   return footing;
 }

@@ -36,7 +36,6 @@ struct Roadside {
   const RoadSurface& surface;
   const WorldOptions& options;
   const Path& path;
-  double lane_offset_m = 0.0;  ///< The path runs so far to the right of the road's crest.
   double begin_m = 0.0;
   double end_m = 0.0;
   TakenGround& taken;

@@ -167,7 +167,6 @@ World make_world(const Path& path, const WorldOptions& options) {
   Roadside roadside{.surface = surface,
                     .options = options,
                     .path = surface.path(),
-                    .lane_offset_m = options.profile.lane_offset_m,
                     .begin_m = -0.5 * RoadSurface::reach_m(),
                     .end_m = surface.path().length_m() + 2.0 * RoadSurface::reach_m(),
                     .taken = taken,
@@ -178,7 +177,7 @@ World make_world(const Path& path, const WorldOptions& options) {
     // Other houses than beside the driven path.
     WorldOptions own = options;
     own.seed += 0x9e3779b97f4a7c15ULL * road;
-    Roadside beside{surface, own, side_road, options.profile.lane_offset_m, 0.0, side_road.length_m(), taken, meshes};
+    Roadside beside{surface, own, side_road, 0.0, side_road.length_m(), taken, meshes};
     add_roadside(beside);
   }
   return {options, std::move(surface), RayScene(std::move(meshes))};
