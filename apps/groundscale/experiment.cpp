@@ -21,6 +21,14 @@ void add_common(CLI::App& command, ExperimentRequest& request) {
   command.add_flag("--quiet", request.quiet, "No progress");
 }
 
+/// Options of those that render drives and run on them.
+void add_drive_settings(CLI::App& command, DriveOptions& drives, RunSettings& settings) {
+  command.add_option("--seed", drives.seed, "Of world, vehicle, sensor and run")->check(CLI::NonNegativeNumber);
+  command.add_option("--threads", drives.threads, "For rendering; the images are the same with any number")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--set", settings.assignments, "KEY=VALUE of the run's configuration")->expected(1)->take_all();
+}
+
 int finish(const Result<ExperimentOutcome>& outcome) {
   if (!outcome) return report_failure(outcome.error());
   fmt::print("{}\nreport  {}\n", outcome->table, outcome->report);
@@ -57,13 +65,7 @@ void add_drives(CLI::App& parent, int& exit_status) {
   command->add_option("--frames", arguments->drives.frames, "At most so many frames of each drive")
       ->check(CLI::Range(2, 1000000));
   command->add_option("--preset", arguments->drives.preset, "Camera and its place on the vehicle");
-  command->add_option("--seed", arguments->drives.seed, "Of world, vehicle, sensor and run")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--threads", arguments->drives.threads, "For rendering; the images are the same with any number")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--set", arguments->settings.assignments, "KEY=VALUE of the run's configuration")
-      ->expected(1)
-      ->take_all();
+  add_drive_settings(*command, arguments->drives, arguments->settings);
   command->callback([arguments, &exit_status] {
     prepare(arguments->request);
     arguments->settings.seed = arguments->drives.seed;
@@ -97,12 +99,7 @@ void add_realism(CLI::App& parent, int& exit_status) {
       ->option_text("NN,NN,...");
   command->add_option("--pair", options.pair_frame, "Frame that is shown as a pair of pictures (100)")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--seed", options.drives.seed, "Of world, sensor and run")->check(CLI::NonNegativeNumber);
-  command->add_option("--threads", options.drives.threads, "For rendering; the images are the same with any number")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--set", arguments->settings.assignments, "KEY=VALUE of the run's configuration")
-      ->expected(1)
-      ->take_all();
+  add_drive_settings(*command, options.drives, arguments->settings);
   command->callback([arguments, &exit_status] {
     prepare(arguments->request);
     arguments->settings.seed = arguments->options.drives.seed;
