@@ -1,0 +1,351 @@
+#include "groundscale/mapping/bundle_adjustment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <numeric>
+
+#include <ceres/evaluation_callback.h>
+#include <ceres/loss_function.h>
+#include <ceres/ordered_groups.h>
+#include <ceres/problem.h>
+#include <ceres/sized_cost_function.h>
+#include <ceres/solver.h>
+#include <fmt/format.h>
+
+#include "groundscale/geometry/so3.hpp"
+#include "groundscale/mapping/reprojection_internal.hpp"
+
+namespace groundscale {
+namespace {
+
+constexpr int kPoseSize = 6;
+constexpr int kPointSize = 3;
+
+/// An observation as the solver sees it: residual and derivatives at the present state, row by row.
+struct Observed {
+  int view = 0;
+  Eigen::Vector2d pixel;
+  Eigen::Vector2d residual;
+  Eigen::Matrix<double, 2, kPointSize, Eigen::RowMajor> by_point;
+  Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor> by_pose;
+};
+
+/// Derivative of exp(w + d) = exp(J d) exp(w), for the rotations of less than a turn that an adjustment makes.
+Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& w) {
+  const double angle2 = w.squaredNorm();
+  const Eigen::Matrix3d cross = skew(w);
+  constexpr double kSmall2 = 1e-6;  // the next terms of the series are below 1e-14
+  if (angle2 < kSmall2) {
+    return Eigen::Matrix3d::Identity() + (0.5 - angle2 / 24.0) * cross + (1.0 / 6.0 - angle2 / 120.0) * cross * cross;
+  }
+  const double angle = std::sqrt(angle2);
+  return Eigen::Matrix3d::Identity() + ((1.0 - std::cos(angle)) / angle2) * cross +
+         ((angle - std::sin(angle)) / (angle2 * angle)) * cross * cross;
+}
+
+/// A view's pose as parameters (w, u): R = exp(w) R_start, t = u. Fixed ones have none.
+struct ViewState {
+  Eigen::Matrix3d start_rotation;
+  RigidTransform cam_from_world;
+  Eigen::Matrix3d rotation_by_w;
+  double* parameters = nullptr;
+};
+
+/// The observations of a point lie side by side.
+struct PointState {
+  int index = 0;  ///< In the bundle.
+  int begin = 0;
+  int end = 0;
+  Eigen::Vector3d accepted;  ///< Where it was at the last accepted step.
+  bool held = false;
+};
+
+/// Everything that the cost functions read. Evaluated as a whole before the solver asks for the parts: the rotations
+/// are made once a view, and a point that leaves a camera's field can be held as a whole.
+class BundleState final : public ceres::EvaluationCallback {
+ public:
+  explicit BundleState(const Bundle& bundle);
+
+  void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
+
+  std::vector<Observed>& observed() { return observed_; }
+  std::vector<PointState>& points() { return points_; }
+  std::vector<ViewState>& views() { return views_; }
+  double* parameters_of_point(std::size_t k) { return &point_parameters_[kPointSize * k]; }
+  bool valid() const { return valid_; }
+  double rms_px() const;
+  void write(Bundle& bundle);
+
+ private:
+  void choose_observations(const Bundle& bundle);
+  bool evaluate_point(const PointState& point, const Eigen::Vector3d& position, bool with_jacobians);
+  void update_views();
+
+  const Camera& camera_;
+  std::vector<ViewState> views_;
+  std::vector<PointState> points_;
+  std::vector<Observed> observed_;
+  std::vector<double> pose_parameters_;
+  std::vector<double> point_parameters_;
+  bool valid_ = true;
+};
+
+BundleState::BundleState(const Bundle& bundle) : camera_(*bundle.camera) {
+  pose_parameters_.resize(kPoseSize * bundle.views.size(), 0.0);
+  views_.reserve(bundle.views.size());
+  for (const BundleView& view : bundle.views) {
+    ViewState state{view.cam_from_world.rotation, view.cam_from_world, Eigen::Matrix3d::Identity(), nullptr};
+    if (!view.fixed) {
+      state.parameters = &pose_parameters_[kPoseSize * views_.size()];
+      Eigen::Map<Eigen::Vector3d>(state.parameters + 3) = view.cam_from_world.translation;
+    }
+    views_.push_back(state);
+  }
+  choose_observations(bundle);
+  point_parameters_.resize(kPointSize * points_.size());
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Eigen::Map<Eigen::Vector3d>(parameters_of_point(k)) = points_[k].accepted;
+  }
+}
+
+void BundleState::choose_observations(const Bundle& bundle) {
+  // Sorted by point with the order kept, by counting.
+  std::vector<int> first(bundle.points_in_world.size() + 1, 0);
+  for (const BundleObservation& o : bundle.observations) ++first[static_cast<std::size_t>(o.point) + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<const BundleObservation*> sorted(bundle.observations.size());
+  std::vector<int> next = first;
+  for (const BundleObservation& o : bundle.observations) {
+    sorted[static_cast<std::size_t>(next[static_cast<std::size_t>(o.point)]++)] = &o;
+  }
+  observed_.reserve(sorted.size());
+  for (std::size_t p = 0; p < bundle.points_in_world.size(); ++p) {
+    const Eigen::Vector3d& position = bundle.points_in_world[p];
+    const std::size_t begin = observed_.size();
+    for (int k = first[p]; k < first[p + 1]; ++k) {
+      const BundleObservation& o = *sorted[static_cast<std::size_t>(k)];
+      if (!camera_.project(views_[static_cast<std::size_t>(o.view)].cam_from_world * position)) continue;
+      Observed& observed = observed_.emplace_back();
+      observed.view = o.view;
+      observed.pixel = o.pixel;
+    }
+    if (observed_.size() - begin < 2) {
+      observed_.resize(begin);
+      continue;
+    }
+    points_.push_back({static_cast<int>(p), static_cast<int>(begin), static_cast<int>(observed_.size()), position});
+  }
+}
+
+void BundleState::update_views() {
+  for (ViewState& view : views_) {
+    if (view.parameters == nullptr) continue;
+    const Eigen::Map<const Eigen::Vector3d> w(view.parameters);
+    view.cam_from_world.rotation = exp_so3(w) * view.start_rotation;
+    view.cam_from_world.translation = Eigen::Map<const Eigen::Vector3d>(view.parameters + 3);
+    view.rotation_by_w = left_jacobian(w);
+  }
+}
+
+bool BundleState::evaluate_point(const PointState& point, const Eigen::Vector3d& position, bool with_jacobians) {
+  for (int k = point.begin; k < point.end; ++k) {
+    Observed& observed = observed_[static_cast<std::size_t>(k)];
+    const ViewState& view = views_[static_cast<std::size_t>(observed.view)];
+    if (!with_jacobians) {
+      const auto pixel = camera_.project(view.cam_from_world * position);
+      if (!pixel) return false;
+      observed.residual = *pixel - observed.pixel;
+      continue;
+    }
+    const auto seen = reproject(camera_, view.cam_from_world, position);
+    if (!seen) return false;
+    observed.residual = seen->pixel - observed.pixel;
+    observed.by_point = seen->by_point;
+    observed.by_pose.leftCols<3>().noalias() = seen->by_pose.leftCols<3>() * view.rotation_by_w;
+    observed.by_pose.rightCols<3>() = seen->by_pose.rightCols<3>();
+  }
+  return true;
+}
+
+void BundleState::PrepareForEvaluation(bool evaluate_jacobians, bool) {
+  update_views();
+  valid_ = true;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    PointState& point = points_[k];
+    bool held = point.held;
+    Eigen::Vector3d position = point.accepted;
+    if (!held) {
+      position = Eigen::Map<const Eigen::Vector3d>(parameters_of_point(k));
+      held = !evaluate_point(point, position, evaluate_jacobians);
+    }
+    if (held) {
+      position = point.accepted;
+      valid_ = evaluate_point(point, position, evaluate_jacobians) && valid_;
+    }
+    // Derivatives are asked for where a step has been accepted; a step that is refused holds nothing.
+    if (!evaluate_jacobians) continue;
+    point.held = held;
+    point.accepted = position;
+    if (!held) continue;
+    for (int i = point.begin; i < point.end; ++i) observed_[static_cast<std::size_t>(i)].by_point.setZero();
+  }
+}
+
+double BundleState::rms_px() const {
+  double squares = 0.0;
+  for (const Observed& observed : observed_) squares += observed.residual.squaredNorm();
+  return std::sqrt(squares / static_cast<double>(observed_.size()));
+}
+
+void BundleState::write(Bundle& bundle) {
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    if (views_[k].parameters == nullptr) continue;
+    bundle.views[k].cam_from_world = {nearest_rotation(views_[k].cam_from_world.rotation),
+                                      views_[k].cam_from_world.translation};
+  }
+  for (const PointState& point : points_) {
+    bundle.points_in_world[static_cast<std::size_t>(point.index)] = point.accepted;
+  }
+}
+
+/// Hands out what BundleState has evaluated. Parameters: point, pose; or point alone where the view is fixed.
+template <int... Sizes>
+class ReprojectionCost final : public ceres::SizedCostFunction<2, kPointSize, Sizes...> {
+ public:
+  ReprojectionCost(const BundleState& state, const Observed& observed) : state_(state), observed_(observed) {}
+
+  bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
+    if (!state_.valid()) return false;
+    Eigen::Map<Eigen::Vector2d>(residuals, 2) = observed_.residual;
+    if (jacobians == nullptr) return true;
+    if (jacobians[0] != nullptr) std::copy_n(observed_.by_point.data(), 2 * kPointSize, jacobians[0]);
+    if constexpr (sizeof...(Sizes) > 0) {
+      if (jacobians[1] != nullptr) std::copy_n(observed_.by_pose.data(), 2 * kPoseSize, jacobians[1]);
+    }
+    return true;
+  }
+
+ private:
+  const BundleState& state_;
+  const Observed& observed_;
+};
+
+using FreeViewCost = ReprojectionCost<kPoseSize>;
+using FixedViewCost = ReprojectionCost<>;
+
+/// The solver's problem beside the cost functions that it points to.
+struct BundleProblem {
+  std::deque<FreeViewCost> free_costs;  // grow without moving, for the problem points into them
+  std::deque<FixedViewCost> fixed_costs;
+  std::unique_ptr<ceres::LossFunction> loss;
+  std::unique_ptr<ceres::Problem> problem;
+  std::shared_ptr<ceres::ParameterBlockOrdering> ordering;
+};
+
+BundleProblem problem_of(BundleState& state, const BundleOptions& options) {
+  BundleProblem result;
+  if (options.loss == BundleLoss::kHuber) {
+    result.loss = std::make_unique<ceres::HuberLoss>(options.loss_px);
+  } else {
+    result.loss = std::make_unique<ceres::CauchyLoss>(options.loss_px);
+  }
+  ceres::Problem::Options settings;
+  settings.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  settings.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  settings.disable_all_safety_checks = true;
+  settings.evaluation_callback = &state;
+  result.problem = std::make_unique<ceres::Problem>(settings);
+  result.ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+
+  std::vector<bool> seen(state.views().size(), false);
+  for (std::size_t k = 0; k < state.points().size(); ++k) {
+    double* point = state.parameters_of_point(k);
+    result.problem->AddParameterBlock(point, kPointSize);
+    result.ordering->AddElementToGroup(point, 0);
+    for (int i = state.points()[k].begin; i < state.points()[k].end; ++i) {
+      const Observed& observed = state.observed()[static_cast<std::size_t>(i)];
+      const auto view = static_cast<std::size_t>(observed.view);
+      double* pose = state.views()[view].parameters;
+      if (pose == nullptr) {
+        result.fixed_costs.emplace_back(state, observed);
+        result.problem->AddResidualBlock(&result.fixed_costs.back(), result.loss.get(), point);
+      } else {
+        result.free_costs.emplace_back(state, observed);
+        result.problem->AddResidualBlock(&result.free_costs.back(), result.loss.get(), point, pose);
+        seen[view] = true;
+      }
+    }
+  }
+  for (std::size_t v = 0; v < seen.size(); ++v) {
+    if (seen[v]) result.ordering->AddElementToGroup(state.views()[v].parameters, 1);
+  }
+  return result;
+}
+
+void check_indices(const Bundle& bundle) {
+  GS_CHECK(bundle.camera != nullptr, "a bundle needs a camera");
+  const int views = static_cast<int>(bundle.views.size());
+  const int points = static_cast<int>(bundle.points_in_world.size());
+  for (const BundleObservation& o : bundle.observations) {
+    GS_CHECK(o.view >= 0 && o.view < views, "an observation of a view that isn't there");
+    GS_CHECK(o.point >= 0 && o.point < points, "an observation of a point that isn't there");
+  }
+}
+
+}  // namespace
+
+template <>
+std::vector<std::string_view> names_of<BundleLoss>() {
+  return {"huber", "cauchy"};
+}
+
+void visit_fields(BundleOptions& options, FieldVisitor& visitor) {
+  visitor.field({.key = "max_iterations", .unit = "", .help = "steps of Levenberg-Marquardt", .min = 1, .max = 1000},
+                options.max_iterations);
+  visitor.field({.key = "loss", .unit = "", .help = "robust loss of the reprojection error"}, options.loss);
+  visitor.field({.key = "loss_px", .unit = "px", .help = "bound of that loss", .min = 0.01, .max = 100},
+                options.loss_px);
+  visitor.field({.key = "min_relative_decrease",
+                 .unit = "",
+                 .help = "the iteration ends where a step lowers the cost by less than this share",
+                 .min = 0.0,
+                 .max = 1.0},
+                options.min_relative_decrease);
+}
+
+Result<BundleSummary> adjust_bundle(Bundle& bundle, const BundleOptions& options) {
+  check_indices(bundle);
+  BundleState state(bundle);
+  if (state.observed().empty()) {
+    return Error{ErrorCode::kTooFewMatches, fmt::format("none of {} points is seen by two of {} views",
+                                                        bundle.points_in_world.size(), bundle.views.size())};
+  }
+  state.PrepareForEvaluation(false, true);
+  BundleSummary summary;
+  summary.observations = static_cast<int>(state.observed().size());
+  summary.initial_rms_px = state.rms_px();
+
+  const BundleProblem problem = problem_of(state, options);
+  ceres::Solver::Options settings;
+  settings.linear_solver_type = ceres::DENSE_SCHUR;
+  settings.linear_solver_ordering = problem.ordering;
+  settings.num_threads = 1;
+  settings.max_num_iterations = options.max_iterations;
+  settings.function_tolerance = options.min_relative_decrease;
+  settings.logging_type = ceres::SILENT;
+  ceres::Solver::Summary solved;
+  ceres::Solve(settings, problem.problem.get(), &solved);
+  if (!solved.IsSolutionUsable()) return Error{ErrorCode::kNotConverged, solved.message};
+
+  state.PrepareForEvaluation(true, true);
+  summary.iterations = static_cast<int>(solved.iterations.size()) - 1;
+  summary.final_rms_px = state.rms_px();
+  summary.held_points = static_cast<int>(
+      std::count_if(state.points().begin(), state.points().end(), [](const PointState& point) { return point.held; }));
+  state.write(bundle);
+  return summary;
+}
+
+}  // namespace groundscale

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "groundscale/camera/camera.hpp"
+#include "groundscale/core/options.hpp"
+#include "groundscale/core/result.hpp"
+#include "groundscale/geometry/rigid_transform.hpp"
+
+namespace groundscale {
+
+struct BundleView {
+  RigidTransform cam_from_world;
+  bool fixed = false;
+};
+
+/// That a view has seen a point, by their indices.
+struct BundleObservation {
+  int view = 0;
+  int point = 0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+};
+
+/// What is adjusted: the poses of the views that aren't fixed, and the points.
+struct Bundle {
+  CameraPtr camera;
+  std::vector<BundleView> views;
+  std::vector<Eigen::Vector3d> points_in_world;
+  std::vector<BundleObservation> observations;
+};
+
+enum class BundleLoss { kHuber, kCauchy };
+
+template <>
+std::vector<std::string_view> names_of<BundleLoss>();
+
+struct BundleOptions {
+  int max_iterations = 5;
+  BundleLoss loss = BundleLoss::kHuber;
+  double loss_px = 1.0;                 ///< Bound of the loss.
+  double min_relative_decrease = 1e-4;  ///< Of the cost; the iteration ends below it.
+};
+
+void visit_fields(BundleOptions& options, FieldVisitor& visitor);
+
+struct BundleSummary {
+  int iterations = 0;           ///< Steps tried, those that were refused among them.
+  int observations = 0;         ///< That took part.
+  int held_points = 0;          ///< That stopped at the edge of a camera's field, see adjust_bundle.
+  double initial_rms_px = 0.0;  ///< sqrt(mean |pixel - project(R X + t)|^2) of the observations that took part.
+  double final_rms_px = 0.0;
+};
+
+/// Poses and points that minimise sum rho(|pixel - project(R_view X_point + t_view)|), by Levenberg-Marquardt, the
+/// points eliminated first (Triggs et al. 1999). Fixed views don't move. One fixed view leaves the scale free: it stays
+/// near that of the start, for nothing but the damping holds it; two or more with a baseline fix it.
+///
+/// Left out are observations whose point doesn't project at the start, and those of a point with fewer than two.
+/// A point that a step would take out of the field of a camera that sees it (behind a pinhole) is held where it was for
+/// the rest of the adjustment, while the others go on; a step after which it doesn't project even so is refused.
+/// @return kTooFewMatches where nothing is left to adjust, kNotConverged where the solver gives up; the bundle then is
+///         as it was. Deterministic: the same input gives the same bytes. O(iterations * (observations +
+///         sum over points of (free views that see it)^2 + free views^3)).
+Result<BundleSummary> adjust_bundle(Bundle& bundle, const BundleOptions& options);
+
+}  // namespace groundscale
