@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <numeric>
+#include <optional>
 
 #include <ceres/evaluation_callback.h>
 #include <ceres/loss_function.h>
@@ -32,19 +33,6 @@ struct Observed {
   Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor> by_pose;
 };
 
-/// Derivative of exp(w + d) = exp(J d) exp(w), for the rotations of less than a turn that an adjustment makes.
-Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& w) {
-  const double angle2 = w.squaredNorm();
-  const Eigen::Matrix3d cross = skew(w);
-  constexpr double kSmall2 = 1e-6;  // the next terms of the series are below 1e-14
-  if (angle2 < kSmall2) {
-    return Eigen::Matrix3d::Identity() + (0.5 - angle2 / 24.0) * cross + (1.0 / 6.0 - angle2 / 120.0) * cross * cross;
-  }
-  const double angle = std::sqrt(angle2);
-  return Eigen::Matrix3d::Identity() + ((1.0 - std::cos(angle)) / angle2) * cross +
-         ((angle - std::sin(angle)) / (angle2 * angle)) * cross * cross;
-}
-
 /// A view's pose as parameters (w, u): R = exp(w) R_start, t = u. Fixed ones have none.
 struct ViewState {
   Eigen::Matrix3d start_rotation;
@@ -58,12 +46,13 @@ struct PointState {
   int index = 0;  ///< In the bundle.
   int begin = 0;
   int end = 0;
-  Eigen::Vector3d accepted;  ///< Where it was at the last accepted step.
-  bool held = false;
+  Eigen::Vector3d accepted;                          ///< Where it was at the last accepted step.
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< Position less parameters, by steps that were shortened.
 };
 
 /// Everything that the cost functions read. Evaluated as a whole before the solver asks for the parts: the rotations
-/// are made once a view, and a point that leaves a camera's field can be held as a whole.
+/// are made once a view, and the step of a point that would leave a camera's field can be shortened for all its
+/// observations.
 class BundleState final : public ceres::EvaluationCallback {
  public:
   explicit BundleState(const Bundle& bundle);
@@ -75,12 +64,14 @@ class BundleState final : public ceres::EvaluationCallback {
   std::vector<ViewState>& views() { return views_; }
   double* parameters_of_point(std::size_t k) { return &point_parameters_[kPointSize * k]; }
   bool valid() const { return valid_; }
+  int shortened_steps() const { return shortened_steps_; }
   double rms_px() const;
   void write(Bundle& bundle);
 
  private:
   void choose_observations(const Bundle& bundle);
   bool evaluate_point(const PointState& point, const Eigen::Vector3d& position, bool with_jacobians);
+  std::optional<Eigen::Vector3d> place(const PointState& point, const Eigen::Vector3d& wanted, bool with_jacobians);
   void update_views();
 
   const Camera& camera_;
@@ -90,6 +81,7 @@ class BundleState final : public ceres::EvaluationCallback {
   std::vector<double> pose_parameters_;
   std::vector<double> point_parameters_;
   bool valid_ = true;
+  int shortened_steps_ = 0;
 };
 
 BundleState::BundleState(const Bundle& bundle) : camera_(*bundle.camera) {
@@ -169,27 +161,37 @@ bool BundleState::evaluate_point(const PointState& point, const Eigen::Vector3d&
   return true;
 }
 
+/// Evaluates a point as far along its step as all cameras that see it have it in their field; nothing where that isn't
+/// so even without the step.
+std::optional<Eigen::Vector3d> BundleState::place(const PointState& point, const Eigen::Vector3d& wanted,
+                                                  bool with_jacobians) {
+  if (evaluate_point(point, wanted, with_jacobians)) return wanted;
+  constexpr double kShorter = 0.25;
+  constexpr double kShortest = 1e-3;
+  for (double share = kShorter; share > kShortest; share *= kShorter) {
+    const Eigen::Vector3d position = point.accepted + share * (wanted - point.accepted);
+    if (evaluate_point(point, position, with_jacobians)) return position;
+  }
+  if (evaluate_point(point, point.accepted, with_jacobians)) return point.accepted;
+  return std::nullopt;
+}
+
 void BundleState::PrepareForEvaluation(bool evaluate_jacobians, bool) {
   update_views();
   valid_ = true;
-  for (std::size_t k = 0; k < points_.size(); ++k) {
+  for (std::size_t k = 0; k < points_.size() && valid_; ++k) {
     PointState& point = points_[k];
-    bool held = point.held;
-    Eigen::Vector3d position = point.accepted;
-    if (!held) {
-      position = Eigen::Map<const Eigen::Vector3d>(parameters_of_point(k));
-      held = !evaluate_point(point, position, evaluate_jacobians);
+    const Eigen::Vector3d parameters = Eigen::Map<const Eigen::Vector3d>(parameters_of_point(k));
+    const Eigen::Vector3d wanted = parameters + point.offset;
+    const auto position = place(point, wanted, evaluate_jacobians);
+    valid_ = position.has_value();
+    // Derivatives are asked for where a step has been accepted, and at the start.
+    if (!evaluate_jacobians || !valid_) continue;
+    if (*position != wanted) {
+      point.offset = *position - parameters;
+      ++shortened_steps_;
     }
-    if (held) {
-      position = point.accepted;
-      valid_ = evaluate_point(point, position, evaluate_jacobians) && valid_;
-    }
-    // Derivatives are asked for where a step has been accepted; a step that is refused holds nothing.
-    if (!evaluate_jacobians) continue;
-    point.held = held;
-    point.accepted = position;
-    if (!held) continue;
-    for (int i = point.begin; i < point.end; ++i) observed_[static_cast<std::size_t>(i)].by_point.setZero();
+    point.accepted = *position;
   }
 }
 
@@ -342,8 +344,7 @@ Result<BundleSummary> adjust_bundle(Bundle& bundle, const BundleOptions& options
   state.PrepareForEvaluation(true, true);
   summary.iterations = static_cast<int>(solved.iterations.size()) - 1;
   summary.final_rms_px = state.rms_px();
-  summary.held_points = static_cast<int>(
-      std::count_if(state.points().begin(), state.points().end(), [](const PointState& point) { return point.held; }));
+  summary.shortened_steps = state.shortened_steps();
   state.write(bundle);
   return summary;
 }

@@ -48,7 +48,7 @@ void visit_fields(BundleOptions& options, FieldVisitor& visitor);
 struct BundleSummary {
   int iterations = 0;           ///< Steps tried, those that were refused among them.
   int observations = 0;         ///< That took part.
-  int held_points = 0;          ///< That stopped at the edge of a camera's field, see adjust_bundle.
+  int shortened_steps = 0;      ///< Of points, to keep them in the field of their cameras, see adjust_bundle.
   double initial_rms_px = 0.0;  ///< sqrt(mean |pixel - project(R X + t)|^2) of the observations that took part.
   double final_rms_px = 0.0;
 };
@@ -58,8 +58,8 @@ struct BundleSummary {
 /// near that of the start, for nothing but the damping holds it; two or more with a baseline fix it.
 ///
 /// Left out are observations whose point doesn't project at the start, and those of a point with fewer than two.
-/// A point that a step would take out of the field of a camera that sees it (behind a pinhole) is held where it was for
-/// the rest of the adjustment, while the others go on; a step after which it doesn't project even so is refused.
+/// A point that a step would take out of the field of a camera that sees it (behind a pinhole) goes only so far that it
+/// stays inside, while the others make the whole step; a step of the poses that takes a point out by itself is refused.
 /// @return kTooFewMatches where nothing is left to adjust, kNotConverged where the solver gives up; the bundle then is
 ///         as it was. Deterministic: the same input gives the same bytes. O(iterations * (observations +
 ///         sum over points of (free views that see it)^2 + free views^3)).

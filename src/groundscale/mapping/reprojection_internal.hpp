@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include <Eigen/Core>
 
 #include "groundscale/camera/camera.hpp"
 #include "groundscale/geometry/rigid_transform.hpp"
+#include "groundscale/geometry/so3.hpp"
 
 namespace groundscale {
 
@@ -34,6 +36,19 @@ inline std::optional<Reprojection> reproject(const Camera& camera, const RigidTr
   }
   result.by_pose.rightCols<3>() = by_ray;
   return result;
+}
+
+/// J with exp(w + d) = exp(J d) exp(w) to first order; for |w| below a whole turn.
+inline Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& w) {
+  const double angle2 = w.squaredNorm();
+  const Eigen::Matrix3d cross = skew(w);
+  constexpr double kSmall2 = 1e-6;  // the next terms of the series are below 1e-14
+  if (angle2 < kSmall2) {
+    return Eigen::Matrix3d::Identity() + (0.5 - angle2 / 24.0) * cross + (1.0 / 6.0 - angle2 / 120.0) * cross * cross;
+  }
+  const double angle = std::sqrt(angle2);
+  return Eigen::Matrix3d::Identity() + ((1.0 - std::cos(angle)) / angle2) * cross +
+         ((angle - std::sin(angle)) / (angle2 * angle)) * cross * cross;
 }
 
 }  // namespace groundscale
