@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <memory>
+#include <mutex>
 #include <numeric>
 #include <optional>
 
@@ -286,6 +287,55 @@ BundleProblem problem_of(BundleState& state, const BundleOptions& options) {
   return result;
 }
 
+/// Ceres tells of refused steps through glog, whatever its own options say; a library doesn't print by itself. The
+/// level is the whole process's: it is put back when the last adjustment has ended.
+class QuietSolver {
+ public:
+  QuietSolver() {
+    const std::lock_guard guard(mutex());
+    if (running()++ > 0) return;
+    level_before() = FLAGS_minloglevel;
+    FLAGS_minloglevel = google::GLOG_FATAL;
+  }
+  ~QuietSolver() {
+    const std::lock_guard guard(mutex());
+    if (--running() == 0) FLAGS_minloglevel = level_before();
+  }
+  QuietSolver(const QuietSolver&) = delete;
+  QuietSolver& operator=(const QuietSolver&) = delete;
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex instance;
+    return instance;
+  }
+  static int& running() {
+    static int count = 0;
+    return count;
+  }
+  static int& level_before() {
+    static int level = 0;
+    return level;
+  }
+};
+
+ceres::Solver::Summary solve(const BundleProblem& problem, const BundleOptions& options) {
+  ceres::Solver::Options settings;
+  settings.linear_solver_type = ceres::DENSE_SCHUR;
+  settings.linear_solver_ordering = problem.ordering;
+  settings.num_threads = 1;
+  settings.max_num_iterations = options.max_iterations;
+  // Damping stays above this share of the diagonal: without it points that have run far away make the reduced system
+  // indefinite by rounding.
+  settings.max_trust_region_radius = 1e6;
+  settings.function_tolerance = options.min_relative_decrease;
+  settings.logging_type = ceres::SILENT;
+  const QuietSolver quiet;
+  ceres::Solver::Summary summary;
+  ceres::Solve(settings, problem.problem.get(), &summary);
+  return summary;
+}
+
 void check_indices(const Bundle& bundle) {
   GS_CHECK(bundle.camera != nullptr, "a bundle needs a camera");
   const int views = static_cast<int>(bundle.views.size());
@@ -330,15 +380,7 @@ Result<BundleSummary> adjust_bundle(Bundle& bundle, const BundleOptions& options
   summary.initial_rms_px = state.rms_px();
 
   const BundleProblem problem = problem_of(state, options);
-  ceres::Solver::Options settings;
-  settings.linear_solver_type = ceres::DENSE_SCHUR;
-  settings.linear_solver_ordering = problem.ordering;
-  settings.num_threads = 1;
-  settings.max_num_iterations = options.max_iterations;
-  settings.function_tolerance = options.min_relative_decrease;
-  settings.logging_type = ceres::SILENT;
-  ceres::Solver::Summary solved;
-  ceres::Solve(settings, problem.problem.get(), &solved);
+  const ceres::Solver::Summary solved = solve(problem, options);
   if (!solved.IsSolutionUsable()) return Error{ErrorCode::kNotConverged, solved.message};
 
   state.PrepareForEvaluation(true, true);

@@ -47,7 +47,7 @@ double huber_cost(const Bundle& bundle, double loss_px) {
   for (const BundleObservation& o : bundle.observations) {
     const RigidTransform& pose = bundle.views[static_cast<std::size_t>(o.view)].cam_from_world;
     const Eigen::Vector3d& point = bundle.points_in_world[static_cast<std::size_t>(o.point)];
-    cost += loss.rho((*bundle.camera->project(pose * point) - o.pixel).norm());
+    cost += loss.rho((bundle.camera->project(pose * point).value() - o.pixel).norm());
   }
   return cost;
 }
@@ -177,6 +177,17 @@ TEST_P(BundleNoise, ErrorGrowsWithItAndTheResidualIsWhatItLeaves) {
 }
 INSTANTIATE_TEST_SUITE_P(Pixels, BundleNoise, testing::Values(0.1, 0.3, 0.6));
 
+TEST(Bundle, LargeRotationsConvergeAsFastAsSmallOnes) {
+  Rng rng(16);
+  Bundle bundle = street(test_camera(TestCamera::kPinhole), {.views = 6, .fixed = 3, .points = 80}, rng);
+  disturb(bundle, 0.3, 0.01, 0.0, rng);
+  // Quadratic convergence: with derivatives that hold for small rotations only, 1e-3 px are left.
+  const auto summary = adjust_bundle(bundle, {.max_iterations = 14, .loss_px = 100.0, .min_relative_decrease = 1e-12});
+  ASSERT_TRUE(summary);
+  EXPECT_GT(summary->initial_rms_px, 50.0);
+  EXPECT_LT(summary->final_rms_px, 1e-6);
+}
+
 TEST(Bundle, CauchyTakesATenthOfWrongObservations) {
   Rng rng(5);
   const Bundle truth = street(test_camera(TestCamera::kPinhole), {.points = 300, .noise_px = 0.3}, rng);
@@ -268,6 +279,52 @@ TEST(Bundle, AStepThatSendsAPointBehindACameraIsShortenedForThatPointOnly) {
   EXPECT_GT(summary->shortened_steps, 0);
   EXPECT_LT(summary->final_rms_px, 1e-4);
   EXPECT_LT((bundle.points_in_world[0] - truth.points_in_world[0]).norm(), 1e-3);
+}
+
+/// Seen from starts that are far off: poses by degrees and a metre, points by half.
+class BundleFromAfar : public testing::TestWithParam<TestCamera> {};
+
+TEST_P(BundleFromAfar, NeverEndsWorseThanItBegan) {
+  Rng rng(36);  // one for which the solver has something to complain about
+  testing::internal::CaptureStderr();
+  for (int trial = 0; trial < 40; ++trial) {
+    Bundle bundle = street(test_camera(GetParam()), {.points = 60, .noise_px = 0.3}, rng);
+    disturb(bundle, 0.05, 1.0, 0.5, rng);
+    // What the adjustment leaves out.
+    std::erase_if(bundle.observations, [&](const BundleObservation& o) {
+      const RigidTransform& pose = bundle.views[static_cast<std::size_t>(o.view)].cam_from_world;
+      return !bundle.camera->project(pose * bundle.points_in_world[static_cast<std::size_t>(o.point)]);
+    });
+    std::vector<int> seen(bundle.points_in_world.size(), 0);
+    for (const BundleObservation& o : bundle.observations) ++seen[static_cast<std::size_t>(o.point)];
+    std::erase_if(bundle.observations,
+                  [&](const BundleObservation& o) { return seen[static_cast<std::size_t>(o.point)] < 2; });
+    const double before = huber_cost(bundle, 1.0);
+    const auto summary = adjust_bundle(bundle, {.max_iterations = 10});
+    if (!summary) {
+      ADD_FAILURE() << trial << ": " << summary.error().message;
+      break;
+    }
+    EXPECT_EQ(summary->observations, static_cast<int>(bundle.observations.size()));
+    // Every observation still projects, and the cost is lower.
+    EXPECT_LT(huber_cost(bundle, 1.0), before) << trial;
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");  // some of the steps are refused; nobody asked to hear of it
+}
+INSTANTIATE_TEST_SUITE_P(Cameras, BundleFromAfar,
+                         testing::Values(TestCamera::kPinhole, TestCamera::kDistorted, TestCamera::kFisheye));
+
+TEST(Bundle, AViewWithOneObservationDoesNotUpsetTheOthers) {
+  Rng rng(14);
+  const Bundle truth = street(test_camera(TestCamera::kPinhole), {}, rng);
+  Bundle bundle = truth;
+  disturb(bundle, 0.002, 0.02, 0.02, rng);
+  int left = 0;
+  std::erase_if(bundle.observations, [&](const BundleObservation& o) { return o.view == 8 && ++left > 1; });
+  const auto summary = adjust_bundle(bundle, kToTheEnd);
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_LT(summary->final_rms_px, 1e-4);
+  EXPECT_LT((centre_of(bundle.views[9].cam_from_world) - centre_of(truth.views[9].cam_from_world)).norm(), 1e-4);
 }
 
 TEST(Bundle, TheSameInputGivesTheSameBytes) {

@@ -94,15 +94,16 @@ std::optional<RigidTransform> lower(const PoseCost& cost_of, const RigidTransfor
 RigidTransform minimise(const PoseCost& cost_of, RigidTransform pose, const ResectionOptions& options) {
   constexpr double kMinGain = 1e-8;
   double damping = 1e-4;
-  CauchyLoss loss{std::min(kLostPx, std::max(options.loss_px, cost_of.median_error(pose)))};
+  // Wide first: the majority pulls, even where a minority agrees with the guess as it is (cars that drive along).
+  CauchyLoss loss{std::min(kLostPx, std::max(options.loss_px, 2.0 * cost_of.median_error(pose)))};
   double cost = cost_of(pose, loss);
   for (int k = 0; k < options.max_iterations; ++k) {
     const double before = cost;
     const auto next = lower(cost_of, pose, loss, damping, cost);
     if (next) pose = *next;
     if (loss.bound > options.loss_px) {
-      // At least halved, so that it comes down to loss_px whatever the share of wrong sights.
-      loss.bound = std::max(options.loss_px, std::min(0.5 * loss.bound, cost_of.median_error(pose)));
+      // Lowered whatever the median does, so that it comes down to loss_px in the end.
+      loss.bound = std::max(options.loss_px, std::min(0.75 * loss.bound, cost_of.median_error(pose)));
       cost = cost_of(pose, loss);
       damping = 1e-4;
       continue;

@@ -38,11 +38,13 @@ struct Resection {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
-/// Pose that minimises sum rho(|pixel - project(R X + t)| / sd_px), rho = Cauchy, from a predicted one: Gauss-Newton
-/// with the bound of the loss at the median error until that has come down to loss_px, then Levenberg-Marquardt.
-/// Meant for a prediction that is off by some 10 px and up to 30 % wrong sights.
-/// @return kTooFewMatches for fewer inliers than min_inliers, kNotConverged where the points don't fix a pose (all on a
-///         line through the camera). Deterministic. O(iterations * sights).
+/// Pose that minimises sum rho(|pixel - project(R X + t)| / sd_px), rho = Cauchy, from a predicted one, by
+/// Levenberg-Marquardt. The bound of the loss begins at twice the median error and is lowered with it down to loss_px.
+/// Meant for a prediction that is off by some 10 px and up to 30 % wrong sights, even if those agree with the
+/// prediction.
+/// @return kTooFewMatches for fewer inliers than min_inliers, kNotConverged where the points don't fix a pose (all on
+/// one
+///         line). Deterministic. O(iterations * sights).
 Result<Resection> refine_pose(const std::vector<PointSight>& sights, const Camera& camera,
                               const RigidTransform& cam_from_world_guess, const ResectionOptions& options);
 

@@ -5,21 +5,20 @@
 
 #include <Eigen/LU>
 
-#include "groundscale/estimation/robust.hpp"
-
 namespace groundscale {
 namespace {
 
 /// Normal equations of the weighted reprojection errors, and what the errors are.
 struct Equations {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< Lower triangle.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   double cost = 0.0;
   double squares = 0.0;
 };
 
 std::optional<Equations> linearise(std::span<const Sight> sights, const Camera& camera, const Eigen::Vector3d& point,
-                                   const CauchyLoss& loss) {
+                                   double loss_px) {
+  const double bound2 = loss_px * loss_px;
   Equations equations;
   for (const Sight& sight : sights) {
     Eigen::Matrix<double, 2, 3> by_ray;
@@ -28,11 +27,11 @@ std::optional<Equations> linearise(std::span<const Sight> sights, const Camera& 
     const Eigen::Vector2d error = *pixel - sight.pixel;
     const Eigen::Matrix<double, 2, 3> by_point = by_ray * sight.cam_from_world.rotation;
     const double squared = error.squaredNorm();
-    const double weight = loss.bound * loss.bound / (loss.bound * loss.bound + squared);
+    const double weight = bound2 / (bound2 + squared);
     equations.information.noalias() += weight * by_point.transpose() * by_point;
     equations.gradient.noalias() += weight * by_point.transpose() * error;
     equations.squares += squared;
-    equations.cost -= std::log(weight);
+    equations.cost -= std::log(weight);  // log(1 + (error / loss_px)^2)
   }
   return equations;
 }
@@ -114,24 +113,15 @@ std::optional<TriangulatedPoint> triangulate(std::span<const Sight> sights, cons
   const auto start = nearest_to_rays(sights);
   if (!start) return std::nullopt;
   Eigen::Vector3d point = *start;
-  CauchyLoss loss{options.loss_px};
-  auto equations = linearise(sights, camera, point, loss);
+  auto equations = linearise(sights, camera, point, options.loss_px);
   if (!equations) return std::nullopt;
-  const auto count = static_cast<double>(sights.size());
-  const double first_rms = std::sqrt(equations->squares / count);
-  if (first_rms > loss.bound) {
-    loss.bound = first_rms;
-    equations = linearise(sights, camera, point, loss);
-  }
   constexpr double kConvergedPx2 = 1e-6;  // squared length of a step, in pixels
   double share = 1.0;                     // of the Gauss-Newton step
   for (int k = 0; k < options.max_iterations; ++k) {
     const Eigen::Vector3d step = -share * (equations->information.inverse() * equations->gradient);
     if (!step.allFinite()) return std::nullopt;
-    const double step_px2 = step.dot(equations->information * step);
-    const bool lowered = loss.bound > options.loss_px;
-    if (!lowered && step_px2 < kConvergedPx2) break;
-    const auto next = linearise(sights, camera, point + step, loss);
+    if (step.dot(equations->information * step) < kConvergedPx2) break;
+    const auto next = linearise(sights, camera, point + step, options.loss_px);
     if (!next || next->cost > equations->cost) {
       share *= 0.25;
       continue;
@@ -139,14 +129,10 @@ std::optional<TriangulatedPoint> triangulate(std::span<const Sight> sights, cons
     point += step;
     equations = next;
     share = 1.0;
-    if (lowered) {
-      loss.bound = std::max(options.loss_px, std::min(0.3 * loss.bound, std::sqrt(equations->squares / count)));
-      equations = linearise(sights, camera, point, loss);
-    }
   }
   TriangulatedPoint result;
   result.point_in_world = point;
-  result.rms_px = std::sqrt(equations->squares / count);
+  result.rms_px = std::sqrt(equations->squares / static_cast<double>(sights.size()));
   result.parallax_rad = parallax_at(point, sights);
   if (!(result.parallax_rad >= options.min_parallax_rad)) return std::nullopt;
   for (const Sight& sight : sights) {

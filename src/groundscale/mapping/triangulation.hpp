@@ -34,8 +34,8 @@ struct TriangulatedPoint {
   double rms_px = 0.0;        ///< sqrt(mean |pixel - project(R X + t)|^2) over all sights.
 };
 
-/// Point that minimises sum rho(|pixel - project(R X + t)|), rho = Cauchy: Gauss-Newton from the point nearest to all
-/// rays, with the bound of the loss lowered from the size of the first errors to loss_px.
+/// Point that minimises sum rho(|pixel - project(R X + t)|), rho = Cauchy: Gauss-Newton, with steps shortened where the
+/// cost would rise, from the point nearest to all rays.
 /// @return Nothing for fewer than two sights, for rays that are parallel within min_parallax_rad, and where the point
 ///         comes out behind a camera or outside its field.
 /// Deterministic. O(iterations * sights + sights^2), without allocation.
