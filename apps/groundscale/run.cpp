@@ -22,7 +22,7 @@
 #include "groundscale/io/road_masks.hpp"
 #include "groundscale/io/sequence.hpp"
 #include "groundscale/io/trajectory_file.hpp"
-#include "groundscale/odometry/pairwise.hpp"
+#include "groundscale/odometry/odometry.hpp"
 #include "groundscale/odometry/run_source.hpp"
 #include "groundscale/odometry/run_writer.hpp"
 #include "groundscale/report/overlay.hpp"
@@ -143,7 +143,7 @@ struct Drive {
   Sequence& sequence;
   const Camera& camera;
   const std::optional<RoadMasks>& masks;
-  PairwiseOdometry& odometry;
+  Odometry& odometry;
 };
 
 Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments& arguments, RunSummary& summary) {
@@ -270,7 +270,7 @@ Result<void> run(const RunArguments& arguments) {
   if (const auto fits = check_truth(arguments.truth, **sequence); !fits) return fits;
   const auto masks = open_masks(source.road_masks, **sequence);
   if (!masks) return masks.error();
-  auto odometry = PairwiseOdometry::create(*setup, config->odometry);
+  auto odometry = make_odometry(*setup, config->odometry);
   if (!odometry) return odometry.error();
   if (const auto free = check_overlay(arguments, source); !free) return free;
   auto writer = RunWriter::create(arguments.output, arguments.force);
@@ -284,13 +284,13 @@ Result<void> run(const RunArguments& arguments) {
   summary.first_frame = (*sequence)->first_frame();
   summary.has_times = (*sequence)->has_times();
   if (!summary.has_times) summary.warnings.emplace_back("the source has no times: 10 frames a second are assumed");
-  const Drive drive{**sequence, *setup->camera, *masks, *odometry};
+  const Drive drive{**sequence, *setup->camera, *masks, **odometry};
   if (const auto done = carry_out(drive, *writer, arguments, summary); !done) return done;
   for (const std::string& warning : (*sequence)->warnings()) summary.warnings.push_back(warning);
-  add_figures(*odometry, summary);
-  if (!odometry->scaled())
+  add_figures(**odometry, summary);
+  if (!(*odometry)->scaled())
     summary.warnings.emplace_back("no measurement of the road was accepted: the trajectory has no scale");
-  if (const auto done = writer->finish(*odometry, summary, config_in_force(*config, **sequence, summary)); !done) {
+  if (const auto done = writer->finish(**odometry, summary, config_in_force(*config, **sequence, summary)); !done) {
     return done;
   }
   for (const std::string& warning : summary.warnings) say("warning: " + warning);

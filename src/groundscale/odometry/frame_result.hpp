@@ -43,6 +43,8 @@ struct FrameResult {
   std::optional<double> raw_over_online;
   double raw_sd = 0.0;  ///< Of the log of the measurement.
   std::optional<double> pitch_rad, roll_rad;
+  std::optional<double> map_scale;    ///< Metres per unit of the map in force; keyframe mode.
+  std::optional<double> drift_ratio;  ///< lambda, this frame's measured scale of the map over the one in force.
   int tracks = 0;        ///< In this frame; of them
   int tracks_kept = 0;   ///< followed from the frame before.
   int matches = 0;       ///< With the partner,

@@ -71,13 +71,59 @@ void visit_fields(RoadOptions& options, FieldVisitor& visitor) {
   visitor.group("search", options.search);
 }
 
+template <>
+std::vector<std::string_view> names_of<OdometryMode>() {
+  return {"pairwise", "keyframe"};
+}
+
+void visit_fields(PipelineOptions& options, FieldVisitor& visitor) {
+  visitor.field({.key = "mode", .unit = "", .help = "frame to frame, or with a map of keyframes"}, options.mode);
+  visitor.field({.key = "scale_correction",
+                 .unit = "",
+                 .help = "how keyframe mode holds the scale: at the start's, the map scaled beyond a threshold, as a "
+                         "slow process, or by the ground in the bundle adjustment"},
+                options.scale_correction);
+}
+
+void visit_fields(KeyframeOptions& options, FieldVisitor& visitor) {
+  visitor.field({.key = "min_parallax_px",
+                 .unit = "px",
+                 .help = "to the last keyframe (upper quartile), makes a new one",
+                 .min = 1,
+                 .max = 1000},
+                options.min_parallax_px);
+  visitor.field({.key = "min_share",
+                 .unit = "",
+                 .help = "share of the last keyframe's points still followed, below makes a new one",
+                 .min = 0,
+                 .max = 1},
+                options.min_share);
+  visitor.field({.key = "start_parallax_px",
+                 .unit = "px",
+                 .help = "of the two views that a map starts from",
+                 .min = 1,
+                 .max = 1000},
+                options.start_parallax_px);
+  visitor.field({.key = "start_matches", .unit = "", .help = "points that they share", .min = 20, .max = 10000},
+                options.start_matches);
+  visitor.field({.key = "start_points", .unit = "", .help = "landmarks that come of them", .min = 10, .max = 10000},
+                options.start_points);
+  visitor.group("region", options.region);
+  visitor.group("map", options.map);
+  visitor.group("resection", options.resection);
+  visitor.group("road", options.road);
+}
+
 void visit_fields(OdometryOptions& options, FieldVisitor& visitor) {
   visitor.field({.key = "seed", .unit = "", .help = "of all random draws", .min = 0, .max = 2147483647}, options.seed);
+  visitor.group("odometry", options.odometry);
   visitor.group("tracking", options.tracking);
   visitor.group("motion", options.motion);
   visitor.group("pair", options.pair);
   visitor.group("road", options.road);
   visitor.group("ground", options.ground);
+  visitor.group("keyframe", options.keyframe);
+  visitor.group("scale", options.scale);
 }
 
 Result<void> OdometryOptions::validate() const {

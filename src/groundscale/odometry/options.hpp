@@ -3,12 +3,16 @@
 #include <string>
 
 #include "groundscale/core/options.hpp"
+#include "groundscale/mapping/local_map.hpp"
+#include "groundscale/mapping/resection.hpp"
+#include "groundscale/mapping/road_tracks.hpp"
 #include "groundscale/motion/two_view.hpp"
 #include "groundscale/plane/methods.hpp"
 #include "groundscale/road/region.hpp"
 #include "groundscale/road/road_tracker.hpp"
 #include "groundscale/scale/gates.hpp"
 #include "groundscale/scale/ground_filter.hpp"
+#include "groundscale/scale/scale_keeper.hpp"
 #include "groundscale/tracking/tracker.hpp"
 
 namespace groundscale {
@@ -52,14 +56,44 @@ struct RoadOptions {
 
 void visit_fields(RoadOptions& options, FieldVisitor& visitor);
 
+/// The two pipelines.
+enum class OdometryMode { kPairwise, kKeyframe };
+template <>
+std::vector<std::string_view> names_of<OdometryMode>();
+
+struct PipelineOptions {
+  OdometryMode mode = OdometryMode::kKeyframe;
+  ScaleCorrection scale_correction = ScaleCorrection::kFiltered;  ///< Of the keyframe odometry.
+};
+
+void visit_fields(PipelineOptions& options, FieldVisitor& visitor);
+
+/// The keyframe odometry's own.
+struct KeyframeOptions {
+  double min_parallax_px = 20.0;    ///< To the last keyframe (upper quartile) that makes a new one,
+  double min_share = 0.6;           ///< as does a smaller share of its points that are still followed.
+  double start_parallax_px = 15.0;  ///< Of the two views that a map starts from,
+  int start_matches = 100;          ///< with so many points in common
+  int start_points = 60;            ///< and so many landmarks.
+  RegionOptions region{.far_m = 15.0, .half_width_m = 1.5, .polygon_px = {}};
+  LocalMapOptions map;
+  ResectionOptions resection;
+  RoadTracksOptions road;
+};
+
+void visit_fields(KeyframeOptions& options, FieldVisitor& visitor);
+
 /// Everything about `groundscale run` that a configuration file may say.
 struct OdometryOptions {
   int seed = 0;
+  PipelineOptions odometry;
   TrackingOptions tracking;
   MotionOptions motion;
   PairOptions pair;
   RoadOptions road;
   GroundOptions ground;
+  KeyframeOptions keyframe;
+  ScaleKeeperOptions scale;
 
   /// Ranges of all fields, a known method, near before far.
   Result<void> validate() const;

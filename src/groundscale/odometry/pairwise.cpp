@@ -17,16 +17,6 @@ namespace {
 constexpr double kMinStepTimeS = 1e-3;
 constexpr double kMinStructureParallaxPx = 3.0;
 
-/// Where the tracker may work: all but the own vehicle.
-Image allowed_of(const Image& vehicle_mask) {
-  if (vehicle_mask.empty()) return {};
-  Image allowed(vehicle_mask.width(), vehicle_mask.height());
-  const auto count = static_cast<std::ptrdiff_t>(vehicle_mask.width()) * vehicle_mask.height();
-  std::transform(vehicle_mask.data(), vehicle_mask.data() + count, allowed.data(),
-                 [](std::uint8_t own) { return static_cast<std::uint8_t>(own == 0 ? 255 : 0); });
-  return allowed;
-}
-
 /// How much a measurement says about the mounting: less in a turn, and less where its step is uncertain.
 double mounting_weight(double curvature_per_m, double log_step_sd) {
   constexpr double kStraightPerM = 0.02;  // a radius of 50 m counts half
@@ -54,6 +44,15 @@ bool same_image(const Image& a, const Image& b) {
 }
 
 }  // namespace
+
+Image allowed_of(const Image& vehicle_mask) {
+  if (vehicle_mask.empty()) return {};
+  Image allowed(vehicle_mask.width(), vehicle_mask.height());
+  const auto count = static_cast<std::ptrdiff_t>(vehicle_mask.width()) * vehicle_mask.height();
+  std::transform(vehicle_mask.data(), vehicle_mask.data() + count, allowed.data(),
+                 [](std::uint8_t own) { return static_cast<std::uint8_t>(own == 0 ? 255 : 0); });
+  return allowed;
+}
 
 Result<PairwiseOdometry> PairwiseOdometry::create(const CameraSetup& setup, const OdometryOptions& options) {
   GS_CHECK(setup.camera != nullptr && setup.height_m.has_value(), "a camera and its height");
@@ -92,7 +91,19 @@ PairwiseOdometry::PairwiseOdometry(const CameraSetup& setup, const OdometryOptio
       views_(options.pair, options.motion) {}
 
 const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& road_mask) {
+  clock_.skip();
+  if (!frame.image.empty()) {
+    tracker_.advance(Pyramid(frame.image, options_.tracking.klt.levels, options_.tracking.klt.window_px),
+                     tracking_mask_);
+    clock_.lap("tracking");
+  }
+  return advance(frame, road_mask, {tracker_.points(), tracker_.followed()});
+}
+
+const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& road_mask,
+                                             const TrackedPoints& tracked) {
   details_ = {};
+  tracked_ = tracked;
   road_mask_ = road_mask;
   clock_.skip();
   FrameResult result;
@@ -101,10 +112,8 @@ const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& ro
   result.scaled = scaled_;
   if (frame.image.empty()) return bridge(std::move(result), frame.problem, frame);
 
-  tracker_.advance(Pyramid(frame.image, options_.tracking.klt.levels, options_.tracking.klt.window_px), tracking_mask_);
-  result.tracks = static_cast<int>(tracker_.points().size());
-  result.tracks_kept = tracker_.followed();
-  clock_.lap("tracking");
+  result.tracks = static_cast<int>(tracked_.points.size());
+  result.tracks_kept = tracked_.followed;
   if (views_.empty()) {
     result.state = FrameState::kStill;
     result.reason = "first frame";
@@ -112,7 +121,7 @@ const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& ro
     remember_view(frame, static_cast<int>(results_.size()) - 1);
     return results_.back();
   }
-  Pair pair = views_.pair_with(tracker_.points(), *camera_);
+  Pair pair = views_.pair_with(tracked_.points, *camera_);
   result.matches = static_cast<int>(pair.matches.size());
   if (pair.motion.state != MotionState::kStill) {
     pair.motion = estimate_motion(pair.rays, camera_->focal_px(), options_.motion, rng_, last_motion_);
@@ -173,7 +182,7 @@ void PairwiseOdometry::remember_view(const Frame& frame, int result_index) {
   View view;
   view.result = result_index;
   view.time_s = frame.time_s;
-  view.points = tracker_.points();
+  view.points = tracked_.points;
   view.road.image = frame.image;
   view.road_mask = road_mask_;
   for (const Match& match : road_matches_) view.road.points.push_back({match.id, match.pixel2});

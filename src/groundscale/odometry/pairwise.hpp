@@ -15,6 +15,7 @@
 #include "groundscale/io/sequence.hpp"
 #include "groundscale/odometry/frame_result.hpp"
 #include "groundscale/odometry/mounting_estimate.hpp"
+#include "groundscale/odometry/odometry.hpp"
 #include "groundscale/odometry/options.hpp"
 #include "groundscale/odometry/structure.hpp"
 #include "groundscale/odometry/views.hpp"
@@ -23,50 +24,41 @@
 
 namespace groundscale {
 
-/// What a frame was measured from, for pictures and figures. Valid until the next frame.
-struct FrameDetails {
-  Image reference_image;  ///< Of the partner, in which the region lies.
-  Image region;
-  std::vector<RayPair> pairs;  ///< Whole image.
-  Matches matches;             ///< The same in pixels.
-  std::vector<int> inliers;
-  Matches road_matches;
-  std::vector<int> road_inliers;
-  GroundPlane road;  ///< Metres, in the partner's camera.
-  DrivenPath path;
-  RigidTransform cam_from_reference;  ///< Metres.
+/// Where the tracker may work: all but the own vehicle.
+Image allowed_of(const Image& vehicle_mask);
+
+/// Points of a frame that have lasting ids.
+struct TrackedPoints {
+  std::vector<TrackPoint> points;  ///< Ids ascending.
+  int followed = 0;                ///< How many of them were there in the frame before.
 };
 
 /// Frame-to-frame odometry whose scale comes from the road: Algorithm 1 of Zhou, Dai, Li 2019 for each frame and an
 /// earlier one with enough parallax. Images in, metric poses out.
 ///
 /// Deterministic for given images, camera and options. Memory grows by about 1 kB a frame.
-class PairwiseOdometry {
+class PairwiseOdometry final : public Odometry {
  public:
   /// @param setup  Its height_m must be set. Pitch and roll that it leaves out are found in the first seconds.
   /// @return kBadInput where no road is in view with the camera so mounted, or options are out of range.
   static Result<PairwiseOdometry> create(const CameraSetup& setup, const OdometryOptions& options);
 
-  /// Takes the next frame.
-  /// @param road_mask  Of this frame's size: 0 where a detector saw no road; empty: no detector. It counts where the
-  ///                   frame is the earlier one of a pair, in whose image the road region lies.
-  const FrameResult& advance(const Frame& frame, const Image& road_mask = {});
+  /// @param road_mask  It counts where the frame is the earlier one of a pair, in whose image the road region lies.
+  const FrameResult& advance(const Frame& frame, const Image& road_mask) override;
+  using Odometry::advance;
+  /// The same for a frame whose points somebody else has followed.
+  const FrameResult& advance(const Frame& frame, const Image& road_mask, const TrackedPoints& tracked);
 
-  /// After the last frame: steps from the whole drive.
-  void finish();
+  void finish() override;
 
-  const std::vector<FrameResult>& results() const { return results_; }
-  const FrameDetails& details() const { return details_; }
-  /// Whether scale is known; before, online poses are in a provisional unit.
-  bool scaled() const { return scaled_; }
-  /// Poses from frames up to each one's own, in metres once `scaled`.
-  const std::vector<RigidTransform>& online_poses() const { return online_poses_; }
-  /// Poses from the whole drive, after `finish`.
-  std::vector<RigidTransform> final_poses() const;
-  /// Time that each stage has taken so far.
-  const StageClock& clock() const { return clock_; }
-  /// Mounting as found so far.
-  Mounting mounting() const { return mounting_.mounting(); }
+  const std::vector<FrameResult>& results() const override { return results_; }
+  const FrameDetails& details() const override { return details_; }
+  bool scaled() const override { return scaled_; }
+  const std::vector<RigidTransform>& online_poses() const override { return online_poses_; }
+  std::vector<RigidTransform> final_poses() const override;
+  const StageClock& clock() const override { return clock_; }
+  Mounting mounting() const override { return mounting_.mounting(); }
+  const MountingEstimate& mounting_estimate() const { return mounting_; }
 
  private:
   PairwiseOdometry(const CameraSetup& setup, const OdometryOptions& options);
@@ -108,6 +100,7 @@ class PairwiseOdometry {
   EstimatePlane estimate_plane_;
   Rng rng_;
   Tracker tracker_;
+  TrackedPoints tracked_;  ///< Of the present frame.
   RoadMatcher road_matcher_;
   MountingEstimate mounting_;
   std::unique_ptr<GroundFilter> filter_;

@@ -27,7 +27,7 @@ constexpr std::string_view kFiles[] = {"trajectory.kitti", "trajectory.tum", "on
 std::string frames_csv(const std::vector<FrameResult>& results) {
   std::string csv =
       "frame,time_s,state,step_m,step_sd_m,online_step_m,raw_step_m,raw_step_sd_m,pitch_deg,roll_deg,matches,"
-      "road_matches,road_inliers,reason,online_step_sd_m\n";
+      "road_matches,road_inliers,reason,online_step_sd_m,map_scale,drift_ratio\n";
   const auto number = [](bool known, double value) { return known ? fmt::format("{}", value) : std::string(); };
   bool first = true;
   for (const FrameResult& r : results) {
@@ -35,11 +35,13 @@ std::string frames_csv(const std::vector<FrameResult>& results) {
     const bool raw = step && r.raw_over_online.has_value();
     const double raw_step = raw ? *r.raw_over_online * r.online_step_m : 0.0;
     csv += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.frame, r.time_s, name_of(r.state), number(step, r.step_m),
+        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.frame, r.time_s, name_of(r.state), number(step, r.step_m),
         number(step && r.step_sd > 0.0, r.step_sd * r.step_m), number(step, r.online_step_m), number(raw, raw_step),
         number(raw, r.raw_sd * raw_step), number(r.pitch_rad.has_value(), r.pitch_rad.value_or(0.0) / kDegree),
         number(r.roll_rad.has_value(), r.roll_rad.value_or(0.0) / kDegree), r.matches, r.road_matches, r.road_inliers,
-        internal::csv_text(r.reason), number(step && r.online_step_sd > 0.0, r.online_step_sd * r.online_step_m));
+        internal::csv_text(r.reason), number(step && r.online_step_sd > 0.0, r.online_step_sd * r.online_step_m),
+        number(r.map_scale.has_value(), r.map_scale.value_or(0.0)),
+        number(r.drift_ratio.has_value(), r.drift_ratio.value_or(0.0)));
     first = false;
   }
   return csv;
@@ -119,7 +121,7 @@ MatchingFigures matching_figures(const std::vector<FrameResult>& results) {
 
 }  // namespace
 
-void add_figures(const PairwiseOdometry& odometry, RunSummary& summary) {
+void add_figures(const Odometry& odometry, RunSummary& summary) {
   summary.frames = static_cast<int>(odometry.results().size());
   summary.mounting = odometry.mounting();
   for (const FrameResult& result : odometry.results()) {
@@ -164,11 +166,11 @@ Result<RunWriter> RunWriter::create(const std::string& folder, bool force) {
 RunWriter::RunWriter(std::string folder, LineWriter kitti, LineWriter tum)
     : folder_(std::move(folder)), online_kitti_(std::move(kitti)), online_tum_(std::move(tum)) {}
 
-Result<void> RunWriter::write_online(const PairwiseOdometry& odometry) {
+Result<void> RunWriter::write_online(const Odometry& odometry) {
   return odometry.scaled() ? write_rows(odometry, true) : Result<void>();
 }
 
-Result<void> RunWriter::write_rows(const PairwiseOdometry& odometry, bool scaled) {
+Result<void> RunWriter::write_rows(const Odometry& odometry, bool scaled) {
   for (; written_ < odometry.results().size(); ++written_) {
     RigidTransform pose = odometry.online_poses()[written_];
     if (!scaled) pose.translation.setZero();
@@ -178,7 +180,7 @@ Result<void> RunWriter::write_rows(const PairwiseOdometry& odometry, bool scaled
   return {};
 }
 
-Result<void> RunWriter::finish(const PairwiseOdometry& odometry, const RunSummary& summary,
+Result<void> RunWriter::finish(const Odometry& odometry, const RunSummary& summary,
                                const std::string& config_yaml) {
   if (const auto done = write_rows(odometry, odometry.scaled()); !done) return done;
   Trajectory trajectory;

@@ -8,7 +8,7 @@
 #include "groundscale/camera/mounting.hpp"
 #include "groundscale/core/result.hpp"
 #include "groundscale/io/files.hpp"
-#include "groundscale/odometry/pairwise.hpp"
+#include "groundscale/odometry/odometry.hpp"
 
 namespace groundscale {
 
@@ -49,7 +49,7 @@ struct RunSummary {
 };
 
 /// Counts states, accepted measurements and length.
-void add_figures(const PairwiseOdometry& odometry, RunSummary& summary);
+void add_figures(const Odometry& odometry, RunSummary& summary);
 
 /// The files of a run's folder (docs/formats.md). Online rows are written as the drive goes, the others at its end,
 /// beside and renamed.
@@ -59,13 +59,13 @@ class RunWriter {
   static Result<RunWriter> create(const std::string& folder, bool force);
 
   /// Online rows of all frames that have their scale by now.
-  Result<void> write_online(const PairwiseOdometry& odometry);
+  Result<void> write_online(const Odometry& odometry);
   /// Everything else. A drive whose scale never became known has rows in which the camera stays where it is.
-  Result<void> finish(const PairwiseOdometry& odometry, const RunSummary& summary, const std::string& config_yaml);
+  Result<void> finish(const Odometry& odometry, const RunSummary& summary, const std::string& config_yaml);
 
  private:
   RunWriter(std::string folder, LineWriter kitti, LineWriter tum);
-  Result<void> write_rows(const PairwiseOdometry& odometry, bool scaled);
+  Result<void> write_rows(const Odometry& odometry, bool scaled);
 
   std::string folder_;
   LineWriter online_kitti_, online_tum_;

@@ -75,7 +75,7 @@ void draw_plane(cv::Mat& picture, const GroundPlane& road, const Eigen::Vector3d
 
 }  // namespace
 
-Result<void> write_overlay(const std::string& folder, const Frame& frame, const PairwiseOdometry& odometry,
+Result<void> write_overlay(const std::string& folder, const Frame& frame, const Odometry& odometry,
                            const Camera& camera) {
   const FrameDetails& details = odometry.details();
   const FrameResult& result = odometry.results().back();

@@ -4,7 +4,7 @@
 
 #include "groundscale/core/result.hpp"
 #include "groundscale/io/sequence.hpp"
-#include "groundscale/odometry/pairwise.hpp"
+#include "groundscale/odometry/odometry.hpp"
 
 namespace groundscale {
 
@@ -15,7 +15,7 @@ namespace groundscale {
 /// inliers, magenta outliers), and the plane as a grid on the road, 2 m across and 5 m along. Frames without a pair
 /// show the image and the reason.
 /// @return kIo where the file can't be written.
-Result<void> write_overlay(const std::string& folder, const Frame& frame, const PairwiseOdometry& odometry,
+Result<void> write_overlay(const std::string& folder, const Frame& frame, const Odometry& odometry,
                            const Camera& camera);
 
 }  // namespace groundscale

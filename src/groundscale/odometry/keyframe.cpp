@@ -1,0 +1,291 @@
+#include "groundscale/odometry/keyframe.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "groundscale/geometry/so3.hpp"
+
+namespace groundscale {
+namespace {
+
+constexpr double kMinStepTimeS = 1e-3;
+
+double time_between(double earlier_s, double later_s) { return std::max(kMinStepTimeS, later_s - earlier_s); }
+
+RigidTransform in_metres(RigidTransform transform, double unit_m) {
+  transform.translation *= unit_m;
+  return transform;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Odometry>> make_odometry(const CameraSetup& setup, const OdometryOptions& options) {
+  if (options.odometry.mode == OdometryMode::kPairwise) {
+    auto pairwise = PairwiseOdometry::create(setup, options);
+    if (!pairwise) return pairwise.error();
+    return std::unique_ptr<Odometry>(std::make_unique<PairwiseOdometry>(std::move(*pairwise)));
+  }
+  auto keyframe = KeyframeOdometry::create(setup, options);
+  if (!keyframe) return keyframe.error();
+  return std::unique_ptr<Odometry>(std::move(*keyframe));
+}
+
+Result<std::unique_ptr<KeyframeOdometry>> KeyframeOdometry::create(const CameraSetup& setup,
+                                                                   const OdometryOptions& options) {
+  auto pairwise = PairwiseOdometry::create(setup, options);
+  if (!pairwise) return pairwise.error();
+  return std::unique_ptr<KeyframeOdometry>(new KeyframeOdometry(setup, options, std::move(*pairwise)));
+}
+
+KeyframeOdometry::KeyframeOdometry(const CameraSetup& setup, const OdometryOptions& options, PairwiseOdometry pairwise)
+    : setup_(setup),
+      camera_(setup.camera),
+      camera_height_m_(*setup.height_m),
+      options_(options),
+      tracking_mask_(allowed_of(setup.vehicle_mask)),
+      rng_(static_cast<std::uint64_t>(options.seed)),
+      tracker_(options.tracking),
+      mounting_(pairwise.mounting_estimate()),
+      pairwise_(std::make_unique<PairwiseOdometry>(std::move(pairwise))),
+      map_(setup.camera, options.keyframe.map),
+      road_(setup.camera, options.road.tracking, options.keyframe.road),
+      keeper_(*setup.height_m, options.odometry.scale_correction, options.scale) {}
+
+const FrameResult& KeyframeOdometry::advance(const Frame& frame, const Image& road_mask) {
+  details_ = {};
+  clock_.skip();
+  Recent present{frame, road_mask, {}, static_cast<int>(results_.size())};
+  if (!frame.image.empty()) {
+    tracker_.advance(Pyramid(frame.image, options_.tracking.klt.levels, options_.tracking.klt.window_px),
+                     tracking_mask_);
+  }
+  present.tracked = {tracker_.points(), tracker_.followed()};
+  clock_.lap("tracking");
+  FrameResult result;
+  result.frame = frame.index;
+  result.time_s = frame.time_s;
+  result.scaled = scaled_;
+  result.tracks = static_cast<int>(present.tracked.points.size());
+  result.tracks_kept = present.tracked.followed;
+  const FrameResult& done = mapping_ ? map_frame(std::move(result), present) : bridge(present);
+  if (!frame.image.empty() && done.state != FrameState::kStill) {
+    constexpr std::size_t kRecentFrames = 40;
+    recent_.push_back(std::move(present));
+    if (recent_.size() > kRecentFrames) recent_.pop_front();
+  }
+  return done;
+}
+
+RigidTransform KeyframeOdometry::predicted_pose(double time_s) const {
+  const TrailFrame& last = trail_.back();
+  if (trail_.size() < 2) return last.cam_from_world;
+  const TrailFrame& before = trail_[trail_.size() - 2];
+  const RigidTransform step = last.cam_from_world * before.cam_from_world.inverse();
+  const double share = time_between(last.time_s, time_s) / time_between(before.time_s, last.time_s);
+  constexpr double kMostShare = 20.0;
+  const double used = std::min(share, kMostShare);
+  return RigidTransform{exp_so3(used * log_so3(step.rotation)), used * step.translation} * last.cam_from_world;
+}
+
+bool KeyframeOdometry::stands_still(const TrackedPoints& tracked) const {
+  Matches matches = match_by_id(halt_points_, tracked.points);
+  std::erase_if(matches, [this](const Match& match) { return map_.point_of(match.id) == nullptr; });
+  return has_stood_still(ray_pairs(matches, *camera_), camera_->focal_px(), options_.motion);
+}
+
+std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& tracked, double time_s,
+                                                       FrameResult& result) {
+  std::vector<PointSight> sights;
+  std::vector<TrackId> ids;
+  for (const TrackPoint& point : tracked.points) {
+    const Eigen::Vector3d* known = map_.point_of(point.id);
+    if (known == nullptr) continue;
+    sights.push_back({*known, point.pixel});
+    ids.push_back(point.id);
+  }
+  result.matches = static_cast<int>(sights.size());
+  constexpr double kMinShare = 0.5;
+  const auto enough = [&sights](const Result<Resection>& found) {
+    return found && static_cast<double>(found->inliers.size()) >= kMinShare * static_cast<double>(sights.size());
+  };
+  auto found = refine_pose(sights, *camera_, predicted_pose(time_s), options_.keyframe.resection);
+  if (!enough(found)) {
+    auto again = resect(sights, *camera_, options_.keyframe.resection, rng_);
+    if (again && (!found || again->inliers.size() > found->inliers.size())) found = std::move(again);
+  }
+  if (!found) {
+    result.reason = found.error().message;
+    return std::nullopt;
+  }
+  std::vector<bool> agreed(sights.size(), false);
+  for (const int i : found->inliers) agreed[static_cast<std::size_t>(i)] = true;
+  map_.judge(ids, agreed);
+  result.inliers = static_cast<int>(found->inliers.size());
+  result.rms_px = found->rms_px;
+  details_.inliers = found->inliers;
+  if (!recent_.empty()) {
+    Matches matches = match_by_id(recent_.back().tracked.points, tracked.points);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      const auto match = std::lower_bound(matches.begin(), matches.end(), ids[i],
+                                          [](const Match& m, TrackId id) { return m.id < id; });
+      details_.matches.push_back(match != matches.end() && match->id == ids[i]
+                                     ? *match
+                                     : Match{ids[i], sights[i].pixel, sights[i].pixel});
+    }
+  }
+  return found->cam_from_world;
+}
+
+bool KeyframeOdometry::wants_keyframe(const TrackedPoints& tracked) const {
+  const Keyframe& last = map_.keyframes().back();
+  const Matches matches = match_by_id(last.points, tracked.points);
+  const double share = static_cast<double>(matches.size()) / std::max<double>(1.0, static_cast<double>(last.points.size()));
+  if (share < options_.keyframe.min_share) return true;
+  return fit_rotation(ray_pairs(matches, *camera_), camera_->focal_px()).parallax_px >=
+         options_.keyframe.min_parallax_px;
+}
+
+const FrameResult& KeyframeOdometry::map_frame(FrameResult result, const Recent& present) {
+  const double time_s = present.frame.time_s;
+  if (present.frame.image.empty()) return coast(std::move(result), present, present.frame.problem);
+  TrailFrame here{present.index, time_s, trail_.back().cam_from_world, trail_.back().keyframe, {}};
+  if (stands_still(present.tracked)) {
+    here.cam_from_keyframe = trail_.back().cam_from_keyframe;
+    result.state = FrameState::kStill;
+    result.reason = "standing still";
+    result.online_step_sd = 0.0;
+    links_.push_back({present.index - 1, {}, 1.0, false, false, {}});
+    keeper_.pass(time_s, 0.0);
+    trail_.back().time_s = time_s;
+    return append(std::move(result), online_poses_.back());
+  }
+  const auto pose = locate(present.tracked, time_s, result);
+  clock_.lap("pose");
+  if (!pose) {
+    lose_map(present);
+    return bridge(present);
+  }
+  result.state = FrameState::kMoving;
+  here.cam_from_world = *pose;
+  here.keyframe = map_.keyframes().back().serial;
+  here.cam_from_keyframe = *pose * map_.keyframes().back().cam_from_world.inverse();
+  trail_.push_back(here);
+  halt_points_ = present.tracked.points;
+  const bool look = follow_road(present);
+  const double unit_m = keeper_.held();
+  Link link{map_.keyframes().back().frame, here.cam_from_keyframe.inverse(), unit_m, true, false, {}};
+  if (wants_keyframe(present.tracked)) {
+    add_keyframe(present, *pose);
+    const auto& keyframes = map_.keyframes();
+    const Keyframe& before = keyframes[keyframes.size() - 2];
+    const RigidTransform before_from_cam = before.cam_from_world * keyframes.back().cam_from_world.inverse();
+    link = {before.frame, before_from_cam, unit_m, true, true, before_from_cam};
+  }
+  links_.push_back(link);
+  refresh_poses();
+  clock_.lap("map");
+  measure_road(result, present, look);
+  links_.back().unit_m = keeper_.held();
+  refresh_poses();
+  const Link& placed = links_.back();
+  const Keyframe* reference = nullptr;
+  for (const Keyframe& keyframe : map_.keyframes()) {
+    if (keyframe.frame == placed.reference) reference = &keyframe;
+  }
+  const RigidTransform world_from_cam =
+      keyframes_m_.at(reference->serial) * in_metres(placed.reference_from_cam, placed.unit_m);
+  return append(std::move(result), world_from_cam);
+}
+
+void KeyframeOdometry::add_keyframe(const Recent& present, const RigidTransform& cam_from_world) {
+  std::vector<TrackPoint> points = present.tracked.points;
+  if (std::getenv("RB")) {
+    constexpr TrackId kRoad = TrackId{1} << 40;
+    for (const Match& match : details_.road_matches) points.push_back({match.id + kRoad, match.pixel2});
+  }
+  const int serial = map_.add(present.index, cam_from_world, points);
+  if (pending_correction_) {
+    const double before = keeper_.held();
+    map_.scale(*pending_correction_);
+    keeper_.corrected(*pending_correction_);
+    corrections_.push_back({results_.empty() ? 0 : present.frame.index, *pending_correction_, before});
+    pending_correction_.reset();
+    road_.clear();
+  }
+  map_.triangulate();
+  map_.adjust();
+  trail_.back().keyframe = serial;
+  trail_.back().cam_from_keyframe = {};
+}
+
+/// Poses that hang on keyframes follow them.
+void KeyframeOdometry::refresh_poses() {
+  const auto& keyframes = map_.keyframes();
+  for (std::size_t k = 1; k < keyframes.size(); ++k) {
+    Link& link = links_[static_cast<std::size_t>(keyframes[k].frame)];
+    const RigidTransform before_from_cam =
+        keyframes[k - 1].cam_from_world * keyframes[k].cam_from_world.inverse();
+    if (link.is_keyframe) link.reference_from_cam = before_from_cam;
+    keyframes_m_[keyframes[k].serial] =
+        keyframes_m_.at(keyframes[k - 1].serial) * in_metres(before_from_cam, link.unit_m);
+  }
+  keyframes_m_.erase(keyframes_m_.begin(), keyframes_m_.lower_bound(keyframes.front().serial));
+  for (TrailFrame& frame : trail_) {
+    const Keyframe* keyframe = frame.keyframe < 0 ? nullptr : map_.find(frame.keyframe);
+    if (keyframe != nullptr) frame.cam_from_world = frame.cam_from_keyframe * keyframe->cam_from_world;
+  }
+}
+
+const FrameResult& KeyframeOdometry::coast(FrameResult result, const Recent& present, std::string reason) {
+  const double time_s = present.frame.time_s;
+  TrailFrame here{present.index, time_s, predicted_pose(time_s), map_.keyframes().back().serial, {}};
+  const Keyframe& last = map_.keyframes().back();
+  here.cam_from_keyframe = here.cam_from_world * last.cam_from_world.inverse();
+  trail_.push_back(here);
+  result.state = FrameState::kBridged;
+  result.reason = std::move(reason);
+  const double unit_m = keeper_.held();
+  links_.push_back({last.frame, here.cam_from_keyframe.inverse(), unit_m, true, false, {}});
+  keeper_.pass(time_s, 0.0);
+  return append(std::move(result),
+                keyframes_m_.at(last.serial) * in_metres(here.cam_from_keyframe.inverse(), unit_m));
+}
+
+const FrameResult& KeyframeOdometry::append(FrameResult result, const RigidTransform& world_from_cam_m) {
+  result.reference = links_.back().reference;
+  result.reference_from_cam = links_.back().reference_from_cam.rotation;
+  const Eigen::Vector3d& translation = links_.back().reference_from_cam.translation;
+  if (translation.norm() > 0.0) result.direction_in_reference = translation.normalized();
+  if (!online_poses_.empty()) {
+    result.online_step_m = (world_from_cam_m.translation - online_poses_.back().translation).norm();
+  }
+  online_poses_.push_back(world_from_cam_m);
+  results_.push_back(std::move(result));
+  return results_.back();
+}
+
+void KeyframeOdometry::finish() {
+  if (!mapping_) close_bridge();
+  const bool filtered = options_.odometry.scale_correction == ScaleCorrection::kFiltered;
+  const std::vector<MapScaleFilter::Smoothed> smoothed = keeper_.smoothed();
+  final_poses_.clear();
+  for (std::size_t k = 0; k < results_.size(); ++k) {
+    const Link& link = links_[k];
+    if (link.reference < 0) {
+      final_poses_.emplace_back();
+      continue;
+    }
+    const double unit_m = link.by_map && filtered ? std::exp(smoothed[k].log_scale) : link.unit_m;
+    final_poses_.push_back(final_poses_[static_cast<std::size_t>(link.reference)] *
+                           in_metres(link.reference_from_cam, unit_m));
+    results_[k].step_m = k == 0 ? 0.0 : (final_poses_[k].translation - final_poses_[k - 1].translation).norm();
+    results_[k].step_sd = link.by_map && filtered ? smoothed[k].sd : results_[k].online_step_sd;
+  }
+}
+
+}  // namespace groundscale

@@ -1,0 +1,136 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "groundscale/core/rng.hpp"
+#include "groundscale/mapping/local_map.hpp"
+#include "groundscale/mapping/resection.hpp"
+#include "groundscale/mapping/road_tracks.hpp"
+#include "groundscale/odometry/mounting_estimate.hpp"
+#include "groundscale/odometry/odometry.hpp"
+#include "groundscale/odometry/pairwise.hpp"
+#include "groundscale/scale/scale_keeper.hpp"
+#include "groundscale/tracking/tracker.hpp"
+
+namespace groundscale {
+
+/// Keyframe odometry with local bundle adjustment, its scale held by the road: Algorithm 2 of Zhou, Dai, Li 2019.
+///
+/// The pairwise odometry carries frames until a map can be started, and wherever the map is lost. Deterministic for
+/// given images, camera and options. Memory grows by about 1 kB a frame.
+class KeyframeOdometry final : public Odometry {
+ public:
+  /// @return As PairwiseOdometry::create.
+  static Result<std::unique_ptr<KeyframeOdometry>> create(const CameraSetup& setup, const OdometryOptions& options);
+
+  const FrameResult& advance(const Frame& frame, const Image& road_mask) override;
+  using Odometry::advance;
+  void finish() override;
+
+  const std::vector<FrameResult>& results() const override { return results_; }
+  const FrameDetails& details() const override { return details_; }
+  bool scaled() const override { return scaled_; }
+  const std::vector<RigidTransform>& online_poses() const override { return online_poses_; }
+  std::vector<RigidTransform> final_poses() const override { return final_poses_; }
+  const StageClock& clock() const override { return clock_; }
+  Mounting mounting() const override { return mounting_.mounting(); }
+
+ private:
+  KeyframeOdometry(const CameraSetup& setup, const OdometryOptions& options, PairwiseOdometry pairwise);
+
+  /// A frame as it was tracked, for what begins later.
+  struct Recent {
+    Frame frame;
+    Image road_mask;
+    TrackedPoints tracked;
+    int index = 0;
+  };
+  /// Pose of a frame by another one; `unit_m` metres are the unit of the translation.
+  struct Link {
+    int reference = -1;
+    RigidTransform reference_from_cam;
+    double unit_m = 1.0;
+    bool by_map = false;      ///< Else by the pairwise odometry, in metres.
+    bool is_keyframe = false;
+    RigidTransform as_tracked;  ///< Of a keyframe: what the link was before its adjustment.
+  };
+  /// A frame of the latest stretch of road.
+  struct TrailFrame {
+    int index = 0;
+    double time_s = 0.0;
+    RigidTransform cam_from_world;
+    int keyframe = -1;  ///< Serial of the reference; -1 where the pairwise odometry placed it.
+    RigidTransform cam_from_keyframe;
+  };
+
+  /// A scaling of the local map.
+  struct Correction {
+    int frame = 0;
+    double lambda = 1.0;
+    double held = 1.0;
+  };
+
+  // Bridging (keyframe_start.cpp).
+  const FrameResult& bridge(const Recent& present);
+  void adopt_pairwise_scale();
+  void close_bridge();
+  bool start_map(const Recent& present);
+  void lose_map(const Recent& present);
+
+  // Mapping.
+  const FrameResult& map_frame(FrameResult result, const Recent& present);
+  std::optional<RigidTransform> locate(const TrackedPoints& tracked, double time_s, FrameResult& result);
+  RigidTransform predicted_pose(double time_s) const;
+  bool stands_still(const TrackedPoints& tracked) const;
+  bool wants_keyframe(const TrackedPoints& tracked) const;
+  void add_keyframe(const Recent& present, const RigidTransform& cam_from_world);
+  void refresh_poses();
+  const FrameResult& append(FrameResult result, const RigidTransform& world_from_cam_m);
+  const FrameResult& coast(FrameResult result, const Recent& present, std::string reason);
+
+  // Road (keyframe_road.cpp).
+  GroundPlane expected_road(const RigidTransform& cam_from_world) const;
+  bool follow_road(const Recent& present);
+  void measure_road(FrameResult& result, const Recent& present, bool look);
+  void take_report(FrameResult& result, const ScaleReport& report, double curvature_per_m);
+  std::vector<RigidTransform> trail_poses() const;
+
+  CameraSetup setup_;
+  CameraPtr camera_;
+  double camera_height_m_;
+  OdometryOptions options_;
+  Image tracking_mask_;
+  Rng rng_;
+  Tracker tracker_;
+  MountingEstimate mounting_;
+  std::unique_ptr<PairwiseOdometry> pairwise_;
+  int bridge_first_ = 0;        ///< Result of the frame that the pairwise odometry took first.
+  double bridge_unit_m_ = 1.0;  ///< Metres per unit of the pairwise odometry while it has no scale of its own.
+
+  LocalMap map_;
+  RoadTracks road_;
+  ScaleKeeper keeper_;
+  std::deque<Recent> recent_;
+  std::deque<TrailFrame> trail_;
+  std::map<int, RigidTransform> keyframes_m_;  ///< world_from_cam in metres, by serial.
+  std::optional<Eigen::Vector3d> road_normal_in_world_;
+  std::optional<double> pending_correction_;
+  std::vector<Correction> corrections_;
+  std::vector<TrackPoint> halt_points_;  ///< Of the last frame that moved.
+  bool mapping_ = false;
+
+  std::vector<FrameResult> results_;
+  std::vector<Link> links_;
+  std::vector<RigidTransform> online_poses_, final_poses_;
+  std::vector<double> step_sds_;
+  FrameDetails details_;
+  StageClock clock_;
+  bool scaled_ = false;
+};
+
+}  // namespace groundscale

@@ -1,0 +1,136 @@
+// The road's part of the keyframe odometry: followed through the map's prediction, measured from the map's points.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+#include "groundscale/geometry/so3.hpp"
+#include "groundscale/odometry/keyframe.hpp"
+
+namespace groundscale {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// How much a measurement says about the mounting: less in a turn, and less where it is uncertain.
+double mounting_weight(double curvature_per_m, double log_sd) {
+  constexpr double kStraightPerM = 0.02;  // a radius of 50 m counts half
+  constexpr double kPreciseSd = 0.03;
+  const double turn = curvature_per_m / kStraightPerM;
+  return std::min(1.0, std::pow(kPreciseSd / log_sd, 2)) / (1.0 + turn * turn);
+}
+
+}  // namespace
+
+std::vector<RigidTransform> KeyframeOdometry::trail_poses() const {
+  std::vector<RigidTransform> poses;
+  for (const TrailFrame& frame : trail_) poses.push_back(frame.cam_from_world.inverse());
+  return poses;
+}
+
+GroundPlane KeyframeOdometry::expected_road(const RigidTransform& cam_from_world) const {
+  const Eigen::Vector3d normal = road_normal_in_world_
+                                     ? Eigen::Vector3d(cam_from_world.rotation * *road_normal_in_world_)
+                                     : mounting_.mean_normal();
+  return {normal, camera_height_m_};
+}
+
+/// Follows the road's points through what the map says that camera and road have done.
+bool KeyframeOdometry::follow_road(const Recent& present) {
+  const TrailFrame& here = trail_.back();
+  const auto view = std::find_if(trail_.begin(), trail_.end(),
+                                 [this](const TrailFrame& frame) { return frame.index == road_.view_frame(); });
+  if (view == trail_.end()) return true;
+  const GroundPlane road = expected_road(here.cam_from_world);
+  RoadWarp warp;
+  warp.cam2_from_cam1 = here.cam_from_world * view->cam_from_world.inverse();
+  warp.cam2_from_cam1.translation *= keeper_.held();
+  warp.road_in_cam1 = {warp.cam2_from_cam1.rotation.transpose() * road.normal_in_cam, road.height};
+  details_.road_matches = road_.follow(present.frame.image, present.index, warp);
+  details_.reference_image = road_.view().image;
+  details_.cam_from_reference = warp.cam2_from_cam1;
+  details_.road = warp.road_in_cam1;
+  clock_.lap("road tracking");
+  constexpr double kMinBaseline = 0.2;  // of the camera's height
+  return warp.cam2_from_cam1.translation.norm() > kMinBaseline * camera_height_m_;
+}
+
+void KeyframeOdometry::measure_road(FrameResult& result, const Recent& present, bool look) {
+  const double unit_m = keeper_.held();
+  const TrailFrame& here = trail_.back();
+  const GroundPlane road = expected_road(here.cam_from_world);
+  const std::vector<RigidTransform> poses = trail_poses();
+  const Trail trail = trail_of(poses, unit_m, options_.scale.tie_m + 1.0);
+  DrivenPath path =
+      path_of_trail(trail, options_.scale.heading_m, road.normal_in_cam, mounting_.mounting().forward_in_cam());
+  path.max_turn_rad = options_.road.region.max_turn_deg * kDegree;
+  if (look) {
+    const Image strip = region_mask(path, road, *camera_, options_.keyframe.region);
+    const Image region = restrict_region(restrict_region(strip, tracking_mask_), present.road_mask);
+    road_.look(present.frame.image, present.index, region);
+    details_.region = region;
+  }
+  details_.path = path;
+  clock_.lap("road detection");
+
+  std::vector<RigidTransform> cam_from_world;
+  for (const TrailFrame& frame : trail_) {
+    while (!cam_from_world.empty() &&
+           trail_.front().index + static_cast<int>(cam_from_world.size()) < frame.index) {
+      cam_from_world.push_back(cam_from_world.back());  // of a frame that stood
+    }
+    cam_from_world.push_back(frame.cam_from_world);
+  }
+  const std::vector<RoadTracks::Point> points = road_.points(cam_from_world, trail_.front().index);
+  ScaleKeeper::Input input;
+  input.time_s = present.frame.time_s;
+  input.world_from_cam = poses;
+  for (const RoadTracks::Point& point : points) input.road_points_in_world.push_back(point.point_in_world);
+  input.mounting = mounting_.mounting();
+  input.expected_normal = mounting_.mean_normal();
+  if (trail_.size() >= 2) {
+    const TrailFrame& before = trail_[trail_.size() - 2];
+    const double turn = log_so3(here.cam_from_world.rotation * before.cam_from_world.rotation.transpose()).norm();
+    input.turn_rate_dps = turn / kDegree / std::max(1e-3, here.time_s - before.time_s);
+  }
+  clock_.lap("road points");
+  const ScaleReport report = keeper_.advance(input);
+  take_report(result, report, path.curvature_per_m);
+  clock_.lap("scale");
+
+  // What lies too far behind for the plane is forgotten.
+  constexpr double kKeptM = 25.0;
+  while (trail_.size() > 3 && unit_m * (trail_[0].cam_from_world.inverse().translation -
+                                        here.cam_from_world.inverse().translation)
+                                           .norm() > kKeptM) {
+    trail_.pop_front();
+  }
+  road_.forget_before(trail_.front().index);
+}
+
+void KeyframeOdometry::take_report(FrameResult& result, const ScaleReport& report, double curvature_per_m) {
+  result.reason = report.reason;
+  result.road_matches = report.points_on_path;
+  result.road_inliers = static_cast<int>(report.inliers.size());
+  result.map_scale = report.held;
+  result.online_step_sd = report.held_sd;
+  if (!report.measured) return;
+  result.raw_over_online = *report.measured / report.held;
+  result.drift_ratio = report.drift_ratio;
+  result.raw_sd = report.measured_sd;
+  const PlaneAngles angles = plane_angles(report.plane_in_cam.normal_in_cam);
+  result.pitch_rad = angles.pitch_rad;
+  result.roll_rad = angles.roll_rad;
+  if (report.correction) pending_correction_ = report.correction;
+  if (!report.reason.empty()) return;
+  mounting_.accept(angles.pitch_rad, angles.roll_rad, mounting_weight(curvature_per_m, report.measured_sd));
+  // A poor fit must not lead the tracking of the road's points.
+  constexpr int kMinInliers = 40;
+  constexpr double kMaxSd = 0.03;
+  if (result.road_inliers >= kMinInliers && report.measured_sd <= kMaxSd) {
+    road_normal_in_world_ = trail_.back().cam_from_world.rotation.transpose() * report.plane_in_cam.normal_in_cam;
+  }
+}
+
+}  // namespace groundscale

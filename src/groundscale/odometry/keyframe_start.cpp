@@ -1,0 +1,150 @@
+// How the keyframe odometry gets along without a map: frames carried by the pairwise odometry, a map begun and lost.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "groundscale/odometry/keyframe.hpp"
+
+namespace groundscale {
+
+const FrameResult& KeyframeOdometry::bridge(const Recent& present) {
+  const bool was_scaled = pairwise_->scaled();
+  FrameResult result = pairwise_->advance(present.frame, present.road_mask, present.tracked);
+  details_ = pairwise_->details();
+  clock_.lap("bridging");
+  const std::vector<RigidTransform>& poses = pairwise_->online_poses();
+  RigidTransform step;
+  if (poses.size() >= 2) {
+    step = poses[poses.size() - 2].inverse() * poses.back();
+    if (!pairwise_->scaled()) step.translation *= bridge_unit_m_;
+  }
+  links_.push_back({present.index - 1, step, 1.0, false, false, {}});
+  keeper_.skip();
+  append(std::move(result), online_poses_.empty() ? RigidTransform{} : online_poses_.back() * step);
+  if (!was_scaled && pairwise_->scaled() && !scaled_) adopt_pairwise_scale();
+  if (scaled_ && results_.back().state == FrameState::kMoving && start_map(present)) close_bridge();
+  return results_.back();
+}
+
+/// The first measurement of a drive: all frames up to now become metres.
+void KeyframeOdometry::adopt_pairwise_scale() {
+  scaled_ = true;
+  for (std::size_t k = 0; k < results_.size(); ++k) {
+    const RigidTransform pose = pairwise_->online_poses()[k];
+    const FrameResult& measured = pairwise_->results()[k];
+    results_[k].raw_over_online = measured.raw_over_online;
+    results_[k].online_step_m = measured.online_step_m;
+    results_[k].scaled = true;
+    if (k > 0) links_[k].reference_from_cam = online_poses_[k - 1].inverse() * pose;
+    online_poses_[k] = pose;
+  }
+}
+
+/// The steps of the stretch that the pairwise odometry carried, from all that it has seen.
+void KeyframeOdometry::close_bridge() {
+  pairwise_->finish();
+  const std::vector<RigidTransform> poses = pairwise_->final_poses();
+  for (std::size_t k = 1; k < poses.size(); ++k) {
+    const std::size_t index = static_cast<std::size_t>(bridge_first_) + k;
+    if (index >= links_.size() || links_[index].by_map) continue;
+    RigidTransform step = poses[k - 1].inverse() * poses[k];
+    if (!pairwise_->scaled()) step.translation *= bridge_unit_m_;
+    links_[index].reference_from_cam = step;
+  }
+}
+
+bool KeyframeOdometry::start_map(const Recent& present) {
+  // The view with most parallax among those that still share enough points.
+  const KeyframeOptions& options = options_.keyframe;
+  const Recent* first = nullptr;
+  std::vector<RayPair> rays;
+  for (const Recent& candidate : recent_) {
+    if (candidate.index < bridge_first_) continue;
+    const Matches matches = match_by_id(candidate.tracked.points, present.tracked.points);
+    if (static_cast<int>(matches.size()) < options.start_matches) continue;
+    rays = ray_pairs(matches, *camera_);
+    if (fit_rotation(rays, camera_->focal_px()).parallax_px < options.start_parallax_px) break;
+    first = &candidate;
+    break;
+  }
+  if (first == nullptr) return false;
+  const RigidTransform& world_from_first = online_poses_[static_cast<std::size_t>(first->index)];
+  const RigidTransform present_from_first = online_poses_.back().inverse() * world_from_first;
+  RigidTransform guess = present_from_first;
+  guess.translation.normalize();
+  const TwoViewMotion motion = estimate_motion(rays, camera_->focal_px(), options_.motion, rng_, guess);
+  if (motion.state != MotionState::kMoving) return false;
+  RigidTransform metric = motion.cam2_from_cam1;
+  metric.translation *= present_from_first.translation.norm();
+
+  map_.clear();
+  const int first_serial = map_.add(first->index, world_from_first.inverse(), first->tracked.points);
+  const int serial = map_.add(present.index, metric * world_from_first.inverse(), present.tracked.points);
+  map_.triangulate();
+  map_.adjust();
+  if (map_.point_count() < options.start_points) {
+    map_.clear();
+    return false;
+  }
+  mapping_ = true;
+  mounting_ = pairwise_->mounting_estimate();
+  keeper_.start(1.0, options_.scale.filter.start_sd);
+  trail_.clear();
+  constexpr double kTrailM = 15.0;
+  std::size_t oldest = online_poses_.size() - 1;
+  while (oldest > 0 && (online_poses_[oldest].translation - online_poses_.back().translation).norm() < kTrailM) --oldest;
+  for (std::size_t k = oldest; k < online_poses_.size(); ++k) {
+    trail_.push_back({static_cast<int>(k), results_[k].time_s, online_poses_[k].inverse(), -1, {}});
+  }
+  trail_.back().keyframe = serial;
+  keyframes_m_.clear();
+  keyframes_m_[first_serial] = world_from_first;
+  const Keyframe& a = map_.keyframes().front();
+  const Keyframe& b = map_.keyframes().back();
+  const RigidTransform link = a.cam_from_world * b.cam_from_world.inverse();
+  links_.back() = {first->index, link, 1.0, true, true, link};
+  refresh_poses();
+  online_poses_.back() = keyframes_m_.at(serial);
+  halt_points_ = present.tracked.points;
+  road_normal_in_world_.reset();
+  pending_correction_.reset();
+  road_.clear();
+  clock_.lap("bridging");
+  return true;
+}
+
+/// The pairwise odometry goes on from the last frames that the map carried.
+void KeyframeOdometry::lose_map(const Recent& present) {
+  mapping_ = false;
+  CameraSetup setup = setup_;
+  const Mounting mounting = mounting_.mounting();
+  setup.pitch_rad = mounting.pitch_rad;
+  setup.roll_rad = mounting.roll_rad;
+  setup.yaw_rad = mounting.yaw_rad;
+  auto pairwise = PairwiseOdometry::create(setup, options_);
+  GS_CHECK(pairwise.has_value(), "what could be created once can be created again");
+  pairwise_ = std::make_unique<PairwiseOdometry>(std::move(*pairwise));
+  constexpr std::size_t kReplayed = 4;
+  std::size_t begin = recent_.size() - std::min(recent_.size(), kReplayed);
+  // Only frames without a gap, up to the one before the present.
+  while (begin < recent_.size() &&
+         present.index - recent_[begin].index != static_cast<int>(recent_.size() - begin)) {
+    ++begin;
+  }
+  bridge_first_ = begin < recent_.size() ? recent_[begin].index : present.index;
+  double replayed_units = 0.0;
+  double replayed_m = 0.0;
+  for (std::size_t k = begin; k < recent_.size(); ++k) {
+    pairwise_->advance(recent_[k].frame, recent_[k].road_mask, recent_[k].tracked);
+    if (k == begin) continue;
+    replayed_units += pairwise_->results().back().online_step_m;
+    replayed_m += results_[static_cast<std::size_t>(recent_[k].index)].online_step_m;
+  }
+  bridge_unit_m_ = replayed_units > 0.0 ? replayed_m / replayed_units : 1.0;
+  map_.clear();
+  road_.clear();
+}
+
+}  // namespace groundscale

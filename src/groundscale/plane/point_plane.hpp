@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "groundscale/core/options.hpp"
+#include "groundscale/core/result.hpp"
+#include "groundscale/geometry/ground_plane.hpp"
+
+namespace groundscale {
+
+struct PointPlaneOptions {
+  double min_point_sd_m = 0.01;   ///< Roughness of a road: no point says more than this about the plane.
+  double tie_sd_m = 0.01;         ///< The camera's own height over the road, for each root metre driven.
+  double pitch_prior_deg = 1.0;   ///< Sd of the normal about the expected one, where one is given.
+  double roll_prior_deg = 0.5;
+  int min_points = 15;
+};
+
+void visit_fields(PointPlaneOptions& options, FieldVisitor& visitor);
+
+/// Road points of a map as one camera sees them, and that camera's own way, in any unit.
+struct PlanePoints {
+  std::vector<Eigen::Vector3d> points_in_cam;
+  std::vector<double> weights;  ///< As long as points_in_cam, at most 1.
+  /// Where the camera was before, most recent first: at the same height over the road as now.
+  std::vector<Eigen::Vector3d> centres_in_cam;
+  /// Where the normal is expected, a unit vector; zero where nothing is known.
+  Eigen::Vector3d expected_normal = Eigen::Vector3d::Zero();
+  double metres_per_unit = 1.0;  ///< As far as known: the options are in metres.
+};
+
+/// The plane through road points.
+struct PointPlane {
+  GroundPlane plane;           ///< In the points' unit.
+  double log_height_sd = 0.0;  ///< Formal.
+  double rms_m = 0.0;          ///< Of the points about the plane, weighted.
+  std::vector<int> inliers;    ///< Indices of points within three sd, ascending.
+};
+
+/// Plane n.X = h that minimises
+///   sum w_i rho((n.X_i - h) / s) + sum (n.c_j)^2 / (tie^2 |c_j|) + priors of pitch and roll about the expected normal,
+/// rho = Cauchy with the points' own robust sd s. A camera on wheels drives parallel to its road: its own centres c_j
+/// say what the normal is where points lie on one line or to one side.
+/// @return kTooFewMatches for fewer than min_points; kNotGround where the points lie above the camera.
+/// Deterministic. O(points + centres).
+Result<PointPlane> fit_point_plane(const PlanePoints& points, const PointPlaneOptions& options);
+
+}  // namespace groundscale

@@ -1,0 +1,74 @@
+#include "groundscale/scale/map_scale_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace groundscale {
+
+void visit_fields(MapScaleFilterOptions& options, FieldVisitor& visitor) {
+  visitor.field({.key = "walk", .unit = "1/sqrt(m)", .help = "random walk of log scale", .min = 0, .max = 0.1},
+                options.walk);
+  visitor.field({.key = "drift_sd", .unit = "1/m", .help = "sd of the scale's drift", .min = 0, .max = 0.1},
+                options.drift_sd);
+  visitor.field(
+      {.key = "drift_length_m", .unit = "m", .help = "over which the drift forgets itself", .min = 1, .max = 10000},
+      options.drift_length_m);
+  visitor.field({.key = "start_sd", .unit = "", .help = "sd of log scale at a map's start", .min = 0.001, .max = 1},
+                options.start_sd);
+}
+
+MapScaleFilter::MapScaleFilter(const MapScaleFilterOptions& options) : options_(options) {
+  start(0.0, options.start_sd);
+}
+
+void MapScaleFilter::start(double log_scale, double sd) {
+  state_.mean << log_scale, 0.0;
+  state_.covariance << sd * sd, 0.0, 0.0, options_.drift_sd * options_.drift_sd;
+  predicted_ = state_;
+  transition_.setIdentity();
+  started_ = true;
+}
+
+void MapScaleFilter::predict(double distance_m) {
+  const double decay = std::exp(-distance_m / options_.drift_length_m);
+  Eigen::Matrix2d transition;
+  transition << 1.0, distance_m, 0.0, decay;
+  Eigen::Matrix2d noise = Eigen::Matrix2d::Zero();
+  noise(0, 0) = options_.walk * options_.walk * distance_m;
+  noise(1, 1) = options_.drift_sd * options_.drift_sd * (1.0 - decay * decay);
+  state_ = groundscale::predict(state_, transition, noise);
+  predicted_ = state_;
+  transition_ = Eigen::Matrix2d(transition * transition_);
+}
+
+void MapScaleFilter::update(double log_scale, double sd) {
+  const Eigen::Matrix<double, 1, 2> observation(1.0, 0.0);
+  const Eigen::Matrix<double, 1, 1> residual(log_scale - state_.mean(0));
+  constexpr double kBoundSd = 2.5;
+  const double off = std::abs(residual(0)) / std::sqrt(state_.covariance(0, 0) + sd * sd);
+  const Eigen::Matrix<double, 1, 1> noise(sd * sd * std::max(1.0, off / kBoundSd));
+  state_ = groundscale::update<2, 1>(state_, observation, residual, noise);
+}
+
+double MapScaleFilter::sd() const { return std::sqrt(std::max(0.0, state_.covariance(0, 0))); }
+
+void MapScaleFilter::keep() {
+  kept_.push_back({transition_, predicted_, state_, started_});
+  transition_.setIdentity();
+  predicted_ = state_;
+  started_ = false;
+}
+
+std::vector<MapScaleFilter::Smoothed> MapScaleFilter::smoothed() const {
+  std::vector<Smoothed> result(kept_.size());
+  State later;
+  for (std::size_t k = kept_.size(); k-- > 0;) {
+    const bool chained = k + 1 < kept_.size() && !kept_[k + 1].started;
+    later = chained ? smooth<2>(kept_[k].filtered, kept_[k + 1].predicted, later, kept_[k + 1].transition)
+                    : kept_[k].filtered;
+    result[k] = {later.mean(0), std::sqrt(std::max(0.0, later.covariance(0, 0)))};
+  }
+  return result;
+}
+
+}  // namespace groundscale
