@@ -17,11 +17,11 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMadToSd = 1.4826;
 
-/// Normal equations of (rotation of the normal about two tangents, height), in metres.
+/// Normal equations of (rotation of the normal about two tangents, height, curvature), in metres.
 struct Normals {
-  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  void add(const Eigen::Vector3d& row, double residual, double weight) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
+  void add(const Eigen::Vector4d& row, double residual, double weight) {
     matrix += weight * row * row.transpose();
     gradient += weight * residual * row;
   }
@@ -51,10 +51,10 @@ double weighted_median(std::vector<std::pair<double, double>> values_and_weights
   return values_and_weights.back().first;
 }
 
-double robust_sd(const PlanePoints& points, const Eigen::Vector3d& normal, double height) {
+double robust_sd(const PlanePoints& points, const Eigen::Vector3d& normal, double height, double curvature) {
   std::vector<std::pair<double, double>> deviations;
   for (std::size_t i = 0; i < points.points_in_cam.size(); ++i) {
-    deviations.emplace_back(std::abs(normal.dot(points.points_in_cam[i]) - height), points.weights[i]);
+    deviations.emplace_back(std::abs(normal.dot(points.points_in_cam[i]) + 0.5 * curvature * std::pow(points.forward_in_cam.dot(points.points_in_cam[i]), 2) - height), points.weights[i]);
   }
   return kMadToSd * weighted_median(std::move(deviations));
 }
@@ -86,6 +86,12 @@ void visit_fields(PointPlaneOptions& options, FieldVisitor& visitor) {
                  .min = 0.01,
                  .max = 90},
                 options.roll_prior_deg);
+  visitor.field({.key = "curvature_sd_per_m",
+                 .unit = "1/m",
+                 .help = "sd of the road's curvature along the path, up or down; 0: a plane",
+                 .min = 0,
+                 .max = 1},
+                options.curvature_sd_per_m);
   visitor.field(
       {.key = "min_points", .unit = "", .help = "road points that a measurement takes", .min = 3, .max = 10000},
       options.min_points);
@@ -109,49 +115,59 @@ Result<PointPlane> fit_point_plane(const PlanePoints& points, const PointPlaneOp
 
   constexpr int kIterations = 8;
   double sd_m = 0.0;
-  Eigen::Matrix3d information;
+  double curvature = 0.0;  // per metre
+  Eigen::Matrix4d information;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Tangents tangents = tangents_at(normal);
-    sd_m = std::max(options.min_point_sd_m, unit * robust_sd(points, normal, height));
+    sd_m = std::max(options.min_point_sd_m, unit * robust_sd(points, normal, height, curvature * unit));
     const CauchyLoss loss{2.0};
     Normals normals;
     for (std::size_t i = 0; i < points.points_in_cam.size(); ++i) {
       const Eigen::Vector3d x = unit * points.points_in_cam[i];
-      const double residual = (normal.dot(x) - unit * height) / sd_m;
-      normals.add(Eigen::Vector3d(tangents.pitch.dot(x), tangents.roll.dot(x), -1.0) / sd_m, residual,
+      const double bend = 0.5 * std::pow(points.forward_in_cam.dot(x), 2);
+      const double residual = (normal.dot(x) + curvature * bend - unit * height) / sd_m;
+      normals.add(Eigen::Vector4d(tangents.pitch.dot(x), tangents.roll.dot(x), -1.0, bend) / sd_m, residual,
                   points.weights[i] * loss.weight(residual));
     }
     for (const Eigen::Vector3d& centre : points.centres_in_cam) {
       const Eigen::Vector3d c = unit * centre;
       const double tie_sd = options.tie_sd_m * std::sqrt(std::max(1e-6, c.norm()));
-      normals.add(Eigen::Vector3d(tangents.pitch.dot(c), tangents.roll.dot(c), 0.0) / tie_sd, normal.dot(c) / tie_sd,
-                  1.0);
+      const double bend = 0.5 * std::pow(points.forward_in_cam.dot(c), 2);
+      normals.add(Eigen::Vector4d(tangents.pitch.dot(c), tangents.roll.dot(c), 0.0, bend) / tie_sd,
+                  (normal.dot(c) + curvature * bend) / tie_sd, 1.0);
     }
     if (expected) {
       const Tangents about = tangents_at(points.expected_normal);
       const Eigen::Vector3d off = normal - points.expected_normal;
       const double pitch_sd = options.pitch_prior_deg * kDegree;
       const double roll_sd = options.roll_prior_deg * kDegree;
-      normals.add(Eigen::Vector3d(1.0, 0.0, 0.0) / pitch_sd, off.dot(about.pitch) / pitch_sd, 1.0);
-      normals.add(Eigen::Vector3d(0.0, 1.0, 0.0) / roll_sd, off.dot(about.roll) / roll_sd, 1.0);
+      normals.add(Eigen::Vector4d(1.0, 0.0, 0.0, 0.0) / pitch_sd, off.dot(about.pitch) / pitch_sd, 1.0);
+      normals.add(Eigen::Vector4d(0.0, 1.0, 0.0, 0.0) / roll_sd, off.dot(about.roll) / roll_sd, 1.0);
     }
+    constexpr double kFlatSd = 1e-9;
+    const double curvature_sd = std::max(kFlatSd, options.curvature_sd_per_m);
+    normals.add(Eigen::Vector4d(0.0, 0.0, 0.0, 1.0) / curvature_sd, curvature / curvature_sd, 1.0);
     information = normals.matrix;
-    const Eigen::Vector3d step = -information.ldlt().solve(normals.gradient);
+    const Eigen::Vector4d step = -information.ldlt().solve(normals.gradient);
     if (!step.allFinite()) return Error{ErrorCode::kNotGround, "the road points don't determine a plane"};
     normal = (normal + step(0) * tangents.pitch + step(1) * tangents.roll).normalized();
     height += step(2) / unit;
+    curvature += step(3);
   }
   if (!(height > 0.0)) return Error{ErrorCode::kNotGround, "the road points lie above the camera"};
 
   PointPlane result;
   result.plane = {normal, height};
-  const Eigen::Matrix3d covariance = information.ldlt().solve(Eigen::Matrix3d::Identity());
+  result.curvature_per_m = curvature;
+  const Eigen::Matrix4d covariance = information.ldlt().solve(Eigen::Matrix4d::Identity());
   result.log_height_sd = std::sqrt(std::max(0.0, covariance(2, 2))) / (unit * height);
   double squares = 0.0;
   double weights = 0.0;
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const double residual_m = unit * (normal.dot(points.points_in_cam[k]) - height);
+    const Eigen::Vector3d x = unit * points.points_in_cam[k];
+    const double residual_m =
+        normal.dot(x) + 0.5 * curvature * std::pow(points.forward_in_cam.dot(x), 2) - unit * height;
     if (std::abs(residual_m) > 3.0 * sd_m) continue;
     result.inliers.push_back(i);
     squares += points.weights[k] * residual_m * residual_m;

@@ -15,6 +15,8 @@ struct PointPlaneOptions {
   double tie_sd_m = 0.01;         ///< The camera's own height over the road, for each root metre driven.
   double pitch_prior_deg = 1.0;   ///< Sd of the normal about the expected one, where one is given.
   double roll_prior_deg = 0.5;
+  /// Sd of the road's curvature along the path, up or down; 0: a plane.
+  double curvature_sd_per_m = 0.004;
   int min_points = 15;
 };
 
@@ -28,20 +30,25 @@ struct PlanePoints {
   std::vector<Eigen::Vector3d> centres_in_cam;
   /// Where the normal is expected, a unit vector; zero where nothing is known.
   Eigen::Vector3d expected_normal = Eigen::Vector3d::Zero();
+  /// Unit direction of the path along the road.
+  Eigen::Vector3d forward_in_cam = Eigen::Vector3d::UnitZ();
   double metres_per_unit = 1.0;  ///< As far as known: the options are in metres.
 };
 
 /// The plane through road points.
 struct PointPlane {
-  GroundPlane plane;           ///< In the points' unit.
+  GroundPlane plane;           ///< Tangent beneath the camera, in the points' unit.
+  double curvature_per_m = 0.0;  ///< Of the road along the path, > 0 where it rises towards what lies ahead and behind.
   double log_height_sd = 0.0;  ///< Formal.
   double rms_m = 0.0;          ///< Of the points about the plane, weighted.
   std::vector<int> inliers;    ///< Indices of points within three sd, ascending.
 };
 
-/// Plane n.X = h that minimises
-///   sum w_i rho((n.X_i - h) / s) + sum (n.c_j)^2 / (tie^2 |c_j|) + priors of pitch and roll about the expected normal,
-/// rho = Cauchy with the points' own robust sd s. A camera on wheels drives parallel to its road: its own centres c_j
+/// Road n.X + k a^2 / 2 = h, a = forward.X along the path, that minimises
+///   sum w_i rho((n.X_i + k a_i^2 / 2 - h) / s) + sum (n.c_j + k a_j^2 / 2)^2 / (tie^2 |c_j|) + priors
+/// of pitch and roll about the expected normal and of the curvature k about 0; rho = Cauchy with the points' own robust
+/// sd s. Where a street meets another its slope changes within metres, and no plane through what lies behind and ahead
+/// has the camera's height. A camera on wheels drives parallel to its road: its own centres c_j
 /// say what the normal is where points lie on one line or to one side.
 /// @return kTooFewMatches for fewer than min_points; kNotGround where the points lie above the camera.
 /// Deterministic. O(points + centres).

@@ -147,6 +147,7 @@ void ScaleKeeper::measure(const Input& input, const Trail& trail, ScaleReport& r
   PlanePoints points;
   points.metres_per_unit = unit_m;
   points.expected_normal = input.expected_normal;
+  points.forward_in_cam = path.forward_in_cam;
   std::vector<int> which;
   for (std::size_t i = 0; i < input.road_points_in_world.size(); ++i) {
     const Eigen::Vector3d in_cam = cam_from_world * input.road_points_in_world[i];
