@@ -26,6 +26,7 @@
 #include "groundscale/odometry/run_source.hpp"
 #include "groundscale/odometry/run_writer.hpp"
 #include "groundscale/report/overlay.hpp"
+#include "groundscale/tracking/pyramid.hpp"
 #include "progress.hpp"
 
 namespace groundscale {
@@ -258,6 +259,7 @@ Result<void> run(const RunArguments& arguments) {
   auto config = read_config(arguments);
   if (!config) return config.error();
   RunSource& source = config->run;
+  use_one_thread();  // before images are read ahead
   auto sequence = open_sequence(source.request(), /*decode_ahead=*/true);
   if (!sequence) return sequence.error();
   constexpr int kMinFrames = 2;
