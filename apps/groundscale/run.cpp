@@ -250,7 +250,7 @@ std::string config_in_force(RunConfig config, const Sequence& sequence, const Ru
   config.run.camera = summary.camera_from;
   config.run.camera_height_m = summary.camera_height_m;
   config.run.image = sequence.kitti_image().value_or(config.run.image);
-  config.run = config.run.absolute();
+  config = config.absolute();
   return to_yaml([&config](FieldVisitor& visitor) { visit_fields(config, visitor); });
 }
 

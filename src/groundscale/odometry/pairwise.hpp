@@ -18,6 +18,7 @@
 #include "groundscale/odometry/options.hpp"
 #include "groundscale/odometry/structure.hpp"
 #include "groundscale/odometry/views.hpp"
+#include "groundscale/road/road_detector.hpp"
 #include "groundscale/road/road_matcher.hpp"
 #include "groundscale/tracking/tracker.hpp"
 
@@ -44,12 +45,15 @@ struct FrameDetails {
 class PairwiseOdometry {
  public:
   /// @param setup  Its height_m must be set. Pitch and roll that it leaves out are found in the first seconds.
-  /// @return kBadInput where no road is in view with the camera so mounted, or options are out of range.
+  /// @return kBadInput where no road is in view with the camera so mounted, options are out of range, or the road
+  /// network
+  ///         can't be used.
   static Result<PairwiseOdometry> create(const CameraSetup& setup, const OdometryOptions& options);
 
   /// Takes the next frame.
   /// @param road_mask  Of this frame's size: 0 where a detector saw no road; empty: no detector. It counts where the
-  ///                   frame is the earlier one of a pair, in whose image the road region lies.
+  ///                   frame is the earlier one of a pair, in whose image the road region lies. With a road network of
+  ///                   its own both must see road.
   const FrameResult& advance(const Frame& frame, const Image& road_mask = {});
 
   /// After the last frame: steps from the whole drive.
@@ -65,6 +69,8 @@ class PairwiseOdometry {
   std::vector<RigidTransform> final_poses() const;
   /// Time that each stage has taken so far.
   const StageClock& clock() const { return clock_; }
+  /// The road network, where the options name one.
+  const std::optional<RoadDetector>& road_detector() const { return detector_; }
   /// Mounting as found so far.
   Mounting mounting() const { return mounting_.mounting(); }
 
@@ -100,6 +106,8 @@ class PairwiseOdometry {
   /// Sd of the log of a measured distance: the formal one, enlarged as the filter does.
   double enlarged_log_sd(const GroundObservation& observation) const;
   void remember_view(const Frame& frame, int result_index);
+  /// Motion from the last remembered view to the present frame; nothing where there is none in metres.
+  std::optional<RoadWarp> warp_from_latest_view() const;
 
   CameraPtr camera_;
   double camera_height_m_;
@@ -109,6 +117,7 @@ class PairwiseOdometry {
   Rng rng_;
   Tracker tracker_;
   RoadMatcher road_matcher_;
+  std::optional<RoadDetector> detector_;
   MountingEstimate mounting_;
   std::unique_ptr<GroundFilter> filter_;
   Views views_;
