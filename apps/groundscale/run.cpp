@@ -26,6 +26,7 @@
 #include "groundscale/odometry/run_source.hpp"
 #include "groundscale/odometry/run_writer.hpp"
 #include "groundscale/report/overlay.hpp"
+#include "groundscale/tracking/pyramid.hpp"
 #include "progress.hpp"
 
 namespace groundscale {
@@ -249,7 +250,7 @@ std::string config_in_force(RunConfig config, const Sequence& sequence, const Ru
   config.run.camera = summary.camera_from;
   config.run.camera_height_m = summary.camera_height_m;
   config.run.image = sequence.kitti_image().value_or(config.run.image);
-  config.run = config.run.absolute();
+  config = config.absolute();
   return to_yaml([&config](FieldVisitor& visitor) { visit_fields(config, visitor); });
 }
 
@@ -258,6 +259,7 @@ Result<void> run(const RunArguments& arguments) {
   auto config = read_config(arguments);
   if (!config) return config.error();
   RunSource& source = config->run;
+  use_one_thread();  // before images are read ahead
   auto sequence = open_sequence(source.request(), /*decode_ahead=*/true);
   if (!sequence) return sequence.error();
   constexpr int kMinFrames = 2;

@@ -37,9 +37,19 @@ Result<std::unique_ptr<Odometry>> make_odometry(const CameraSetup& setup, const 
 
 Result<std::unique_ptr<KeyframeOdometry>> KeyframeOdometry::create(const CameraSetup& setup,
                                                                    const OdometryOptions& options) {
-  auto pairwise = PairwiseOdometry::create(setup, options);
+  std::optional<RoadDetector> detector;
+  OdometryOptions bridging = options;
+  if (!options.road.network.file.empty()) {
+    auto opened = RoadDetector::open(options.road.network, setup.camera);
+    if (!opened) return opened.error();
+    detector = std::move(*opened);
+    bridging.road.network.file.clear();
+  }
+  auto pairwise = PairwiseOdometry::create(setup, bridging);
   if (!pairwise) return pairwise.error();
-  return std::unique_ptr<KeyframeOdometry>(new KeyframeOdometry(setup, options, std::move(*pairwise)));
+  std::unique_ptr<KeyframeOdometry> odometry(new KeyframeOdometry(setup, bridging, std::move(*pairwise)));
+  odometry->detector_ = std::move(detector);
+  return odometry;
 }
 
 KeyframeOdometry::KeyframeOdometry(const CameraSetup& setup, const OdometryOptions& options, PairwiseOdometry pairwise)
@@ -197,8 +207,12 @@ const FrameResult& KeyframeOdometry::map_frame(FrameResult result, const Recent&
   for (const Keyframe& keyframe : map_.keyframes()) {
     if (keyframe.frame == placed.reference) reference = &keyframe;
   }
-  const RigidTransform world_from_cam =
+  RigidTransform world_from_cam =
       keyframes_m_.at(reference->serial) * in_metres(placed.reference_from_cam, placed.unit_m);
+  if (std::getenv("INC")) {
+    const RigidTransform step = trail_[trail_.size() - 2].cam_from_world * trail_.back().cam_from_world.inverse();
+    world_from_cam = online_poses_.back() * in_metres(step, placed.unit_m);
+  }
   return append(std::move(result), world_from_cam);
 }
 

@@ -38,6 +38,7 @@ class KeyframeOdometry final : public Odometry {
   const std::vector<RigidTransform>& online_poses() const override { return online_poses_; }
   std::vector<RigidTransform> final_poses() const override { return final_poses_; }
   const StageClock& clock() const override { return clock_; }
+  const RoadDetector* road_detector() const override { return detector_ ? &*detector_ : nullptr; }
   Mounting mounting() const override { return mounting_.mounting(); }
 
  private:
@@ -96,6 +97,7 @@ class KeyframeOdometry final : public Odometry {
   // Road (keyframe_road.cpp).
   GroundPlane expected_road(const RigidTransform& cam_from_world) const;
   bool follow_road(const Recent& present);
+  Image road_region(const Recent& present, const DrivenPath& path, const GroundPlane& road);
   void measure_road(FrameResult& result, const Recent& present, bool look);
   void take_report(FrameResult& result, const ScaleReport& report, double curvature_per_m);
   std::vector<RigidTransform> trail_poses() const;
@@ -107,6 +109,7 @@ class KeyframeOdometry final : public Odometry {
   Image tracking_mask_;
   Rng rng_;
   Tracker tracker_;
+  std::optional<RoadDetector> detector_;
   MountingEstimate mounting_;
   std::unique_ptr<PairwiseOdometry> pairwise_;
   int bridge_first_ = 0;        ///< Result of the frame that the pairwise odometry took first.

@@ -56,6 +56,20 @@ bool KeyframeOdometry::follow_road(const Recent& present) {
   return warp.cam2_from_cam1.translation.norm() > kMinBaseline * camera_height_m_;
 }
 
+/// The strip along the path, where it isn't the vehicle's own and detectors see road.
+Image KeyframeOdometry::road_region(const Recent& present, const DrivenPath& path, const GroundPlane& road) {
+  const Image strip = region_mask(path, road, *camera_, options_.keyframe.region);
+  Image allowed = intersect_masks(tracking_mask_, present.road_mask);
+  if (detector_) {
+    clock_.lap("road detection");
+    std::optional<RoadWarp> warp;
+    if (road_.view_frame() >= 0) warp = RoadWarp{details_.cam_from_reference, details_.road};
+    allowed = intersect_masks(allowed, detector_->advance(present.frame.image, warp));
+    clock_.lap("road network");
+  }
+  return restrict_region(strip, allowed);
+}
+
 void KeyframeOdometry::measure_road(FrameResult& result, const Recent& present, bool look) {
   const double unit_m = keeper_.held();
   const TrailFrame& here = trail_.back();
@@ -66,10 +80,8 @@ void KeyframeOdometry::measure_road(FrameResult& result, const Recent& present, 
       path_of_trail(trail, options_.scale.heading_m, road.normal_in_cam, mounting_.mounting().forward_in_cam());
   path.max_turn_rad = options_.road.region.max_turn_deg * kDegree;
   if (look) {
-    const Image strip = region_mask(path, road, *camera_, options_.keyframe.region);
-    const Image region = restrict_region(restrict_region(strip, tracking_mask_), present.road_mask);
-    road_.look(present.frame.image, present.index, region);
-    details_.region = region;
+    details_.region = road_region(present, path, road);
+    road_.look(present.frame.image, present.index, details_.region);
   }
   details_.path = path;
   clock_.lap("road detection");

@@ -13,6 +13,7 @@
 #include "groundscale/odometry/frame_result.hpp"
 #include "groundscale/odometry/options.hpp"
 #include "groundscale/road/region.hpp"
+#include "groundscale/road/road_detector.hpp"
 
 namespace groundscale {
 
@@ -53,6 +54,8 @@ class Odometry {
   virtual std::vector<RigidTransform> final_poses() const = 0;
   /// Time that each stage has taken so far.
   virtual const StageClock& clock() const = 0;
+  /// The road network; null where the options name none.
+  virtual const RoadDetector* road_detector() const = 0;
   /// Mounting as found so far.
   virtual Mounting mounting() const = 0;
 };

@@ -69,6 +69,7 @@ void visit_fields(RoadOptions& options, FieldVisitor& visitor) {
   visitor.group("region", options.region);
   visitor.group("tracking", options.tracking);
   visitor.group("search", options.search);
+  visitor.group("network", options.network);
 }
 
 template <>
@@ -143,6 +144,7 @@ Result<void> OdometryOptions::validate() const {
                  fmt::format("road.search.min_step_m: {} must be below road.search.max_step_m, {}",
                              road.search.min_step_m, road.search.max_step_m)};
   }
+  if (const auto network = road.network.validate(); !network) return network;
   const std::size_t corners = road.region.polygon_px.size();
   if (corners % 2 != 0 || (corners > 0 && corners < 6)) {
     return Error{

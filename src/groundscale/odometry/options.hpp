@@ -9,6 +9,7 @@
 #include "groundscale/motion/two_view.hpp"
 #include "groundscale/plane/methods.hpp"
 #include "groundscale/road/region.hpp"
+#include "groundscale/road/road_network.hpp"
 #include "groundscale/road/road_tracker.hpp"
 #include "groundscale/scale/gates.hpp"
 #include "groundscale/scale/ground_filter.hpp"
@@ -52,6 +53,7 @@ struct RoadOptions {
   RegionOptions region;
   RoadTrackingOptions tracking;
   WarpSearchOptions search;
+  RoadNetworkOptions network;
 };
 
 void visit_fields(RoadOptions& options, FieldVisitor& visitor);

@@ -74,6 +74,11 @@ Result<PairwiseOdometry> PairwiseOdometry::create(const CameraSetup& setup, cons
                              "height, pitch, roll and yaw (or behind the vehicle mask)",
                              options.road.region.near_m, options.road.region.far_m)};
   }
+  if (!options.road.network.file.empty()) {
+    auto detector = RoadDetector::open(options.road.network, setup.camera);
+    if (!detector) return detector.error();
+    odometry.detector_ = std::move(*detector);
+  }
   return odometry;
 }
 
@@ -185,9 +190,23 @@ void PairwiseOdometry::remember_view(const Frame& frame, int result_index) {
   view.points = tracked_.points;
   view.road.image = frame.image;
   view.road_mask = road_mask_;
+  if (detector_) {
+    clock_.lap("filter and poses");
+    view.road_mask = intersect_masks(road_mask_, detector_->advance(frame.image, warp_from_latest_view()));
+    clock_.lap("road network");
+  }
   for (const Match& match : road_matches_) view.road.points.push_back({match.id, match.pixel2});
   road_matches_.clear();
   views_.push(std::move(view));
+}
+
+std::optional<RoadWarp> PairwiseOdometry::warp_from_latest_view() const {
+  if (views_.empty() || !filter_->started() || results_.back().state == FrameState::kLost) return std::nullopt;
+  const RigidTransform& world_from_last = online_poses_[static_cast<std::size_t>(views_.latest().result)];
+  RoadWarp warp;
+  warp.cam2_from_cam1 = online_poses_.back().inverse() * world_from_last;
+  warp.road_in_cam1 = {warp.cam2_from_cam1.rotation.transpose() * filter_->state().normal_in_cam(), camera_height_m_};
+  return warp;
 }
 
 const FrameResult& PairwiseOdometry::stand(FrameResult result, const Frame& frame) {

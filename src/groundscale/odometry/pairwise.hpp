@@ -19,6 +19,7 @@
 #include "groundscale/odometry/options.hpp"
 #include "groundscale/odometry/structure.hpp"
 #include "groundscale/odometry/views.hpp"
+#include "groundscale/road/road_detector.hpp"
 #include "groundscale/road/road_matcher.hpp"
 #include "groundscale/tracking/tracker.hpp"
 
@@ -40,10 +41,12 @@ struct TrackedPoints {
 class PairwiseOdometry final : public Odometry {
  public:
   /// @param setup  Its height_m must be set. Pitch and roll that it leaves out are found in the first seconds.
-  /// @return kBadInput where no road is in view with the camera so mounted, or options are out of range.
+  /// @return kBadInput where no road is in view with the camera so mounted, options are out of range, or the
+  ///         road network can't be used.
   static Result<PairwiseOdometry> create(const CameraSetup& setup, const OdometryOptions& options);
 
-  /// @param road_mask  It counts where the frame is the earlier one of a pair, in whose image the road region lies.
+  /// @param road_mask  It counts where the frame is the earlier one of a pair, in whose image the road region lies. With a
+  ///                   road network of its own both must see road.
   const FrameResult& advance(const Frame& frame, const Image& road_mask) override;
   using Odometry::advance;
   /// The same for a frame whose points somebody else has followed.
@@ -58,6 +61,7 @@ class PairwiseOdometry final : public Odometry {
   std::vector<RigidTransform> final_poses() const override;
   const StageClock& clock() const override { return clock_; }
   Mounting mounting() const override { return mounting_.mounting(); }
+  const RoadDetector* road_detector() const override { return detector_ ? &*detector_ : nullptr; }
   const MountingEstimate& mounting_estimate() const { return mounting_; }
 
  private:
@@ -92,6 +96,8 @@ class PairwiseOdometry final : public Odometry {
   /// Sd of the log of a measured distance: the formal one, enlarged as the filter does.
   double enlarged_log_sd(const GroundObservation& observation) const;
   void remember_view(const Frame& frame, int result_index);
+  /// Motion from the last remembered view to the present frame; nothing where there is none in metres.
+  std::optional<RoadWarp> warp_from_latest_view() const;
 
   CameraPtr camera_;
   double camera_height_m_;
@@ -102,6 +108,7 @@ class PairwiseOdometry final : public Odometry {
   Tracker tracker_;
   TrackedPoints tracked_;  ///< Of the present frame.
   RoadMatcher road_matcher_;
+  std::optional<RoadDetector> detector_;
   MountingEstimate mounting_;
   std::unique_ptr<GroundFilter> filter_;
   Views views_;

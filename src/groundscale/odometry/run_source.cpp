@@ -23,12 +23,6 @@ SequenceRequest RunSource::request() const {
   return request;
 }
 
-RunSource RunSource::absolute() const {
-  RunSource whole = *this;
-  for (std::string* path : {&whole.source, &whole.camera, &whole.road_masks}) *path = absolute_path(*path);
-  return whole;
-}
-
 void visit_fields(RunSource& source, FieldVisitor& visitor) {
   constexpr double kMaxInt = std::numeric_limits<int>::max();
   visitor.field({.key = "source", .unit = "", .help = "KITTI odometry folder, image folder or video: SOURCE"},
@@ -62,6 +56,15 @@ void visit_fields(RunConfig& config, FieldVisitor& visitor) {
 Result<void> RunConfig::validate() const {
   if (const auto ranges = check_ranges(run); !ranges) return ranges;
   return odometry.validate();
+}
+
+RunConfig RunConfig::absolute() const {
+  RunConfig whole = *this;
+  for (std::string* path :
+       {&whole.run.source, &whole.run.camera, &whole.run.road_masks, &whole.odometry.road.network.file}) {
+    *path = absolute_path(*path);
+  }
+  return whole;
 }
 
 }  // namespace groundscale

@@ -20,8 +20,6 @@ struct RunSource {
   std::string road_masks;        ///< Folder of masks; "": none.
 
   SequenceRequest request() const;
-  /// The same with absolute paths, so that it means the same from any working folder.
-  RunSource absolute() const;
 };
 
 void visit_fields(RunSource& source, FieldVisitor& visitor);
@@ -32,6 +30,8 @@ struct RunConfig {
   RunSource run;
 
   Result<void> validate() const;
+  /// The same with absolute paths, so that it means the same from any working folder.
+  RunConfig absolute() const;
 };
 
 void visit_fields(RunConfig& config, FieldVisitor& visitor);

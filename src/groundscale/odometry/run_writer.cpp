@@ -75,6 +75,7 @@ std::string summary_json(const RunSummary& s) {
   json["warnings"] = s.warnings;
   json["time"] = {{"wall_s", s.wall_s}, {"median_ms_a_frame", s.median_ms}, {"p95_ms_a_frame", s.p95_ms}};
   for (const auto& [stage, ms] : s.stage_ms) json["time"]["mean_ms_a_frame"][stage] = ms;
+  if (s.network_runs > 0) json["time"]["road_network"] = {{"runs", s.network_runs}, {"mean_ms_a_run", s.network_ms}};
   // Names of files may hold bytes that are no UTF-8.
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
@@ -149,6 +150,9 @@ void add_figures(const Odometry& odometry, RunSummary& summary) {
     if (odometry.scaled()) summary.length_m += result.step_m;
   }
   summary.matching = matching_figures(odometry.results());
+  if (odometry.road_detector() == nullptr) return;
+  summary.network_runs = odometry.road_detector()->runs();
+  summary.network_ms = 1e3 * odometry.road_detector()->network_s() / std::max(1, summary.network_runs);
 }
 
 Result<RunWriter> RunWriter::create(const std::string& folder, bool force) {

@@ -46,6 +46,8 @@ struct RunSummary {
   double wall_s = 0.0;
   std::vector<std::pair<std::string, double>> stage_ms;  ///< Mean a frame, in the order of the work.
   double median_ms = 0.0, p95_ms = 0.0;                  ///< Of a frame, decoding included.
+  int network_runs = 0;                                  ///< Of the road network,
+  double network_ms = 0.0;                               ///< and the mean of one.
 };
 
 /// Counts states, accepted measurements and length.

@@ -36,6 +36,7 @@ class Views {
   bool empty() const { return views_.empty(); }
   void push(View view);
   View& latest() { return views_.back(); }
+  const View& latest() const { return views_.back(); }
 
   /// The latest view with `min_parallax_px` to the points; where none has so much, the one with most. The pair's motion
   /// says `still` where the points have not moved since the latest view.

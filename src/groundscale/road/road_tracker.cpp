@@ -8,73 +8,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "groundscale/geometry/so3.hpp"
+#include "groundscale/road/warp_field_internal.hpp"
 #include "groundscale/tracking/opencv_internal.hpp"
 
 namespace groundscale {
 namespace {
-
-/// x2 = project(H ray(x1)) over a rectangle of the first image, tabulated on a coarse grid and interpolated. Tracking
-/// uses the same interpolation on the way in and out, so its error (below 0.01 px) shifts a patch, not a match.
-class WarpField {
- public:
-  WarpField(const cv::Rect& area, const RoadWarp& warp, const Camera& camera) : area_(area) {
-    columns_ = (area.width - 1) / kGridPx + 2;
-    rows_ = (area.height - 1) / kGridPx + 2;
-    nodes_.create(rows_, columns_);
-    const Eigen::Matrix3d homography = homography_of_plane(warp.road_in_cam1, warp.cam2_from_cam1);
-    for (int row = 0; row < rows_; ++row) {
-      for (int column = 0; column < columns_; ++column) {
-        const auto ray = camera.ray({area.x + column * kGridPx, area.y + row * kGridPx});
-        const auto pixel = ray ? camera.project(homography * *ray) : std::nullopt;
-        nodes_(row, column) = pixel ? cv::Point2f(to_cv(*pixel)) : cv::Point2f(kOutside, kOutside);
-      }
-    }
-  }
-
-  /// Pixel of the second image for one of the first.
-  Eigen::Vector2d at(const Eigen::Vector2d& pixel1) const {
-    const double x = std::clamp((pixel1.x() - area_.x) / kGridPx, 0.0, columns_ - 1.001);
-    const double y = std::clamp((pixel1.y() - area_.y) / kGridPx, 0.0, rows_ - 1.001);
-    const int column = static_cast<int>(x);
-    const int row = static_cast<int>(y);
-    const double fx = x - column;
-    const double fy = y - row;
-    const Eigen::Vector2d top = (1.0 - fx) * from_cv(nodes_(row, column)) + fx * from_cv(nodes_(row, column + 1));
-    const Eigen::Vector2d low =
-        (1.0 - fx) * from_cv(nodes_(row + 1, column)) + fx * from_cv(nodes_(row + 1, column + 1));
-    return (1.0 - fy) * top + fy * low;
-  }
-
-  /// The second image as it would look from the first view if all of it were road.
-  Image warp(const Image& second) const {
-    cv::Mat map(area_.height, area_.width, CV_32FC2);
-    constexpr float kStep = 1.0F / kGridPx;
-    for (int y = 0; y < area_.height; ++y) {
-      const int row = y / kGridPx;
-      const float fy = static_cast<float>(y % kGridPx) * kStep;
-      cv::Point2f* line = map.ptr<cv::Point2f>(y);
-      for (int column = 0; column * kGridPx < area_.width; ++column) {
-        const cv::Point2f left = nodes_(row, column) * (1.0F - fy) + nodes_(row + 1, column) * fy;
-        const cv::Point2f right = nodes_(row, column + 1) * (1.0F - fy) + nodes_(row + 1, column + 1) * fy;
-        const cv::Point2f step = (right - left) * kStep;
-        const int count = std::min(kGridPx, area_.width - column * kGridPx);
-        for (int x = 0; x < count; ++x) line[column * kGridPx + x] = left + step * static_cast<float>(x);
-      }
-    }
-    Image warped(area_.width, area_.height);
-    cv::Mat view = view_of(warped);
-    cv::remap(view_of(second), view, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
-    return warped;
-  }
-
- private:
-  static constexpr int kGridPx = 8;
-  static constexpr float kOutside = -1e4F;
-  cv::Rect area_;
-  int columns_ = 0;
-  int rows_ = 0;
-  cv::Mat_<cv::Point2f> nodes_;
-};
 
 Image crop(const Image& image, const cv::Rect& area) {
   Image part(area.width, area.height);
@@ -213,7 +151,9 @@ Matches track_on_road(const Image& first, const Image& second, const std::vector
                       const RoadWarp& warp, const Camera& camera, const KltOptions& options) {
   if (points.empty()) return {};
   const cv::Rect area = area_of(points, first, 2 * options.window_px);
-  const WarpField field(area, warp, camera);
+  const Eigen::Matrix3d homography = homography_of_plane(warp.road_in_cam1, warp.cam2_from_cam1);
+  const WarpField field(area, camera,
+                        [&homography](const Eigen::Vector3d& ray) -> Eigen::Vector3d { return homography * ray; });
   const Pyramid before(crop(first, area), options.levels, options.window_px);
   const Pyramid after(field.warp(second), options.levels, options.window_px);
   const Eigen::Vector2d corner(area.x, area.y);

@@ -13,6 +13,9 @@ Pyramid::Pyramid(const Image& image, int levels, int window_px) : image_(image) 
   levels_ = std::move(made);
 }
 
-void use_one_thread() { cv::setNumThreads(1); }
+void use_one_thread() {
+  // Setting the number again would take the arena of threads away from whoever works in it.
+  if (cv::getNumThreads() != 1) cv::setNumThreads(1);
+}
 
 }  // namespace groundscale

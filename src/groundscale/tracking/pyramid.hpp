@@ -25,7 +25,9 @@ class Pyramid {
   std::shared_ptr<const Levels> levels_;
 };
 
-/// OpenCV's own threads off: results must not depend on their number. Called by whoever starts a pipeline.
+/// OpenCV's own threads off: results must not depend on their number. Called by whoever starts a pipeline, and before
+/// another thread of the process uses OpenCV (images read ahead), since OpenCV can't change their number under its
+/// feet.
 void use_one_thread();
 
 }  // namespace groundscale
