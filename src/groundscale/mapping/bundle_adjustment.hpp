@@ -38,8 +38,8 @@ std::vector<std::string_view> names_of<BundleLoss>();
 
 struct BundleOptions {
   int max_iterations = 5;
-  BundleLoss loss = BundleLoss::kHuber;
-  double loss_px = 1.0;                 ///< Bound of the loss.
+  BundleLoss loss = BundleLoss::kCauchy;
+  double loss_px = 0.5;                 ///< Bound of the loss.
   double min_relative_decrease = 1e-4;  ///< Of the cost; the iteration ends below it.
 };
 

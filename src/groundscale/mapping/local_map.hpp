@@ -16,11 +16,11 @@
 namespace groundscale {
 
 struct LocalMapOptions {
-  int free_keyframes = 8;         ///< Adjusted by the bundle adjustment;
-  int fixed_keyframes = 4;        ///< so many before them hold it.
-  int max_points = 400;           ///< Landmarks in the adjustment, those with most sights.
+  int free_keyframes = 6;         ///< Adjusted by the bundle adjustment;
+  int fixed_keyframes = 3;        ///< so many before them hold it.
+  int max_points = 800;           ///< Landmarks in the adjustment, those with most sights.
   double min_parallax_px = 3.0;   ///< Between the rays of a new landmark.
-  double max_error_px = 2.0;      ///< A sight that is farther off after the adjustment is left out.
+  double max_error_px = 1.5;      ///< A sight that is farther off after the adjustment is left out.
   int strikes = 3;                ///< Frames in a row in which a landmark may disagree with the map before it is dropped.
   BundleOptions bundle;
 };

@@ -207,21 +207,22 @@ const FrameResult& KeyframeOdometry::map_frame(FrameResult result, const Recent&
   for (const Keyframe& keyframe : map_.keyframes()) {
     if (keyframe.frame == placed.reference) reference = &keyframe;
   }
-  RigidTransform world_from_cam =
+  const RigidTransform world_from_cam =
       keyframes_m_.at(reference->serial) * in_metres(placed.reference_from_cam, placed.unit_m);
-  if (std::getenv("INC")) {
+  if (result.raw_over_online) {
+    // The measurement is of the map as it is now; the online step also makes up for what the frame before didn't know.
     const RigidTransform step = trail_[trail_.size() - 2].cam_from_world * trail_.back().cam_from_world.inverse();
-    world_from_cam = online_poses_.back() * in_metres(step, placed.unit_m);
+    const double online = (world_from_cam.translation - online_poses_.back().translation).norm();
+    if (online > 0.0) *result.raw_over_online *= placed.unit_m * step.translation.norm() / online;
   }
   return append(std::move(result), world_from_cam);
 }
 
 void KeyframeOdometry::add_keyframe(const Recent& present, const RigidTransform& cam_from_world) {
   std::vector<TrackPoint> points = present.tracked.points;
-  if (std::getenv("RB")) {
-    constexpr TrackId kRoad = TrackId{1} << 40;
-    for (const Match& match : details_.road_matches) points.push_back({match.id + kRoad, match.pixel2});
-  }
+  // Points of the road, which are tracked better than others so near, under ids beyond those of the tracker.
+  constexpr TrackId kRoad = TrackId{1} << 40;
+  for (const Match& match : details_.road_matches) points.push_back({match.id + kRoad, match.pixel2});
   const int serial = map_.add(present.index, cam_from_world, points);
   if (pending_correction_) {
     const double before = keeper_.held();

@@ -72,7 +72,7 @@ void visit_fields(PipelineOptions& options, FieldVisitor& visitor);
 
 /// The keyframe odometry's own.
 struct KeyframeOptions {
-  double min_parallax_px = 20.0;    ///< To the last keyframe (upper quartile) that makes a new one,
+  double min_parallax_px = 10.0;    ///< To the last keyframe (upper quartile) that makes a new one,
   double min_share = 0.6;           ///< as does a smaller share of its points that are still followed.
   double start_parallax_px = 15.0;  ///< Of the two views that a map starts from,
   int start_matches = 100;          ///< with so many points in common

@@ -8,34 +8,47 @@ namespace groundscale {
 void visit_fields(MapScaleFilterOptions& options, FieldVisitor& visitor) {
   visitor.field({.key = "walk", .unit = "1/sqrt(m)", .help = "random walk of log scale", .min = 0, .max = 0.1},
                 options.walk);
-  visitor.field({.key = "drift_sd", .unit = "1/m", .help = "sd of the scale's drift", .min = 0, .max = 0.1},
-                options.drift_sd);
-  visitor.field(
-      {.key = "drift_length_m", .unit = "m", .help = "over which the drift forgets itself", .min = 1, .max = 10000},
-      options.drift_length_m);
+  visitor.field({.key = "turn_walk", .unit = "1/sqrt(rad)", .help = "the same for turning", .min = 0, .max = 1},
+                options.turn_walk);
+  visitor.field({.key = "turn_drift_sd",
+                 .unit = "1/rad",
+                 .help = "prior of the scale's drift by turning, which a wrong calibration makes",
+                 .min = 0.0001,
+                 .max = 10},
+                options.turn_drift_sd);
+  visitor.field({.key = "turn_drift_walk",
+                 .unit = "1/rad/sqrt(m)",
+                 .help = "random walk of that drift",
+                 .min = 0.00001,
+                 .max = 1},
+                options.turn_drift_walk);
   visitor.field({.key = "start_sd", .unit = "", .help = "sd of log scale at a map's start", .min = 0.001, .max = 1},
                 options.start_sd);
 }
 
 MapScaleFilter::MapScaleFilter(const MapScaleFilterOptions& options) : options_(options) {
+  state_.covariance << 0.0, 0.0, 0.0, options_.turn_drift_sd * options_.turn_drift_sd;
   start(0.0, options.start_sd);
 }
 
 void MapScaleFilter::start(double log_scale, double sd) {
-  state_.mean << log_scale, 0.0;
-  state_.covariance << sd * sd, 0.0, 0.0, options_.drift_sd * options_.drift_sd;
+  state_.mean(0) = log_scale;
+  state_.covariance.row(0).setZero();
+  state_.covariance.col(0).setZero();
+  state_.covariance(0, 0) = sd * sd;
   predicted_ = state_;
   transition_.setIdentity();
   started_ = true;
 }
 
-void MapScaleFilter::predict(double distance_m) {
-  const double decay = std::exp(-distance_m / options_.drift_length_m);
+void MapScaleFilter::predict(double distance_m, double turn_rad) {
   Eigen::Matrix2d transition;
-  transition << 1.0, distance_m, 0.0, decay;
+  transition << 1.0, std::abs(turn_rad), 0.0, 1.0;
   Eigen::Matrix2d noise = Eigen::Matrix2d::Zero();
-  noise(0, 0) = options_.walk * options_.walk * distance_m;
-  noise(1, 1) = options_.drift_sd * options_.drift_sd * (1.0 - decay * decay);
+  constexpr double kLeast = 1e-12;  // for the smoother, which inverts
+  noise(0, 0) = kLeast + options_.walk * options_.walk * distance_m +
+                options_.turn_walk * options_.turn_walk * std::abs(turn_rad);
+  noise(1, 1) = kLeast + options_.turn_drift_walk * options_.turn_drift_walk * distance_m;
   state_ = groundscale::predict(state_, transition, noise);
   predicted_ = state_;
   transition_ = Eigen::Matrix2d(transition * transition_);

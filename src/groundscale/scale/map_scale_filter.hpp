@@ -8,33 +8,34 @@
 namespace groundscale {
 
 struct MapScaleFilterOptions {
-  double walk = 0.002;        ///< Random walk of log scale, a root metre.
-  double drift_sd = 0.001;    ///< Of the drift, the scale's slope, about zero: a metre.
-  double drift_length_m = 40; ///< Over which the drift forgets itself.
-  double start_sd = 0.05;     ///< Of log scale at the start.
+  double walk = 0.002;             ///< Random walk of log scale, a root metre,
+  double turn_walk = 0.01;         ///< and a root radian of turning.
+  double turn_drift_sd = 0.15;     ///< Prior of the drift a radian of turning: what a wrong calibration does.
+  double turn_drift_walk = 0.005;  ///< Random walk of that, a root metre.
+  double start_sd = 0.1;           ///< Of log scale at a map's start.
 };
 
 void visit_fields(MapScaleFilterOptions& options, FieldVisitor& visitor);
 
 /// Metres per map unit as a slow process along the path, observed by the ground.
 ///
-/// State: s = log(metres per unit) and its slope d by the distance x driven,
-///   s(x + dx) = s + d dx + w,  d(x + dx) = exp(-dx / L) d + v,
-/// var w = walk^2 dx, var v = drift_sd^2 (1 - exp(-2 dx / L)). Online as the drive goes, backwards
-/// (Rauch-Tung-Striebel) at its end.
+/// State: s = log(metres per unit), and b, its drift by the angle a that the camera turns by (left or right: a camera
+/// whose radial distortion isn't what its calibration says loses scale in turns, always to the same side),
+///   s += b |da| + w,  b += v,  var w = walk^2 dx + turn_walk^2 |da|,  var v = turn_drift_walk^2 dx,
+/// x the distance driven. Online as the drive goes, backwards (Rauch-Tung-Striebel) at its end.
 class MapScaleFilter {
  public:
   explicit MapScaleFilter(const MapScaleFilterOptions& options);
 
-  /// Starts anew at a scale: a map has begun.
+  /// Starts anew at a scale: a map has begun. The drift in turns is the camera's and goes on.
   void start(double log_scale, double sd);
-  void predict(double distance_m);
+  void predict(double distance_m, double turn_rad);
   /// Observation of log scale. One that is off by more than 2.5 sd counts less, as in Huber's loss.
   void update(double log_scale, double sd);
 
   double log_scale() const { return state_.mean(0); }
   double sd() const;
-  double drift_per_m() const { return state_.mean(1); }
+  double drift_per_rad() const { return state_.mean(1); }
 
   /// Closes a frame, so that `smoothed` can return to it.
   void keep();

@@ -9,6 +9,7 @@
 
 #include "groundscale/core/check.hpp"
 #include "groundscale/estimation/robust.hpp"
+#include "groundscale/geometry/so3.hpp"
 
 namespace groundscale {
 namespace {
@@ -103,7 +104,8 @@ ScaleReport ScaleKeeper::advance(const Input& input) {
   driven_m_ += step_m;
   since_measured_m_ += step_m;
 
-  filter_.predict(step_m);
+  const double turn_rad = poses.size() < 2 ? 0.0 : rotation_angle(poses.back().rotation.transpose() * poses[poses.size() - 2].rotation);
+  filter_.predict(step_m, turn_rad);
   ScaleReport report;
   const Trail trail = trail_of(poses, held(), std::max(options_.tie_m, options_.path.behind_m) + 1.0);
   measure(input, trail, report);
@@ -128,7 +130,7 @@ void ScaleKeeper::pass(double time_s, double distance_m) {
   last_time_s_ = time_s;
   driven_m_ += distance_m;
   since_measured_m_ += distance_m;
-  filter_.predict(distance_m);
+  filter_.predict(distance_m, 0.0);
   filter_.keep();
 }
 

@@ -13,7 +13,8 @@ namespace groundscale {
 
 struct TrackingOptions {
   int max_tracks = 500;
-  KltOptions klt;
+  /// Patches stretch as they come near, which large windows take for motion: 16 px doubled the rotation's error.
+  KltOptions klt{.window_px = 11};
   DetectOptions detect{.cell_px = 24, .min_gradient = 2.0, .reduction = 2, .border_px = 8};
 };
 
