@@ -40,7 +40,7 @@ std::vector<std::string> place_arguments(const RenderedDrive& drive, const RunSe
   };
   const std::string config = drive.folder + "/config.yaml";
   std::error_code ignored;
-  if (!drive.real() && std::filesystem::is_regular_file(config, ignored)) add("--config", config);
+  if (!drive.real && std::filesystem::is_regular_file(config, ignored)) add("--config", config);
   if (!settings.camera.empty()) add("--camera", settings.camera);
   if (drive.frames > 0) add("--frames", fmt::to_string(drive.frames));
   return arguments;

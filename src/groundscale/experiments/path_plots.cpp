@@ -60,10 +60,10 @@ Plot length_plot(const std::string& drive, PathError error, const std::vector<Pl
             .curves = {},
             .settings = {"set xrange [0:*]", "set yrange [0:*]"}};
   for (const PlottedErrors& one : errors) {
-    plot.curves.push_back({.title = one.name.title,
-                           .x = 0,
-                           .y = static_cast<int>(plot.columns.size()),
-                           .style = CurveStyle::kLinesPoints});
+    const auto column = static_cast<int>(plot.columns.size());
+    // The colour of its trajectory, where the truth comes first.
+    plot.curves.push_back(
+        {.title = one.name.title, .x = 0, .y = column, .style = CurveStyle::kLinesPoints, .colour = column});
     plot.columns.push_back(one.name.column);
   }
   if (errors.empty()) return plot;

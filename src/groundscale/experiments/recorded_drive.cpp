@@ -63,13 +63,15 @@ Result<RenderedDrive> recorded_drive(const DriveChoice& choice) {
   RenderedDrive drive{.name = choice.name, .folder = choice.recorded};
   drive.truth_file = choice.poses;
   drive.frames = choice.frames;
+  std::error_code ignored;
+  drive.real = !fs::exists(folder / "simulation.yaml", ignored);
   drive.key = fmt::format("recorded, {} frames", choice.frames);
   for (const std::string& file : {choice.poses, image_of(choice.recorded, choice.frames - 1)}) {
     const auto digest = file_digest(file);
     if (!digest) return digest.error();
     drive.key += ", " + *digest;
   }
-  for (const char* file : {"camera.yaml", "calib.txt", "times.txt"}) {
+  for (const char* file : {"camera.yaml", "calib.txt", "times.txt", "config.yaml"}) {
     if (const auto digest = file_digest((folder / file).string())) drive.key += fmt::format(", {} {}", file, *digest);
   }
   drive.key += "\n";

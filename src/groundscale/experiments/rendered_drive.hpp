@@ -13,12 +13,12 @@ struct RenderedDrive {
   std::string name;
   std::string folder;
   std::string key{};         ///< All that made it; for the keys of what is made from it.
-  std::string command{};     ///< Makes it by hand; "" where it is real.
+  std::string command{};     ///< Makes it by hand; "" where it was there.
   std::string truth_file{};  ///< "": poses.txt in its folder.
   int frames = 0;            ///< The first so many are wanted; 0: all that are there.
+  bool real = false;         ///< Of the road, not simulated.
 
   std::string truth() const { return truth_file.empty() ? folder + "/poses.txt" : truth_file; }
-  bool real() const { return command.empty(); }
 };
 
 /// The one place where experiments get drives from. A real one is where it is. Others are rendered once into `folder`,
