@@ -81,7 +81,7 @@ TEST(CheckCompared, FilesAreLookedAtBeforeTheWork) {
   folder.file("06.txt", kitti_rows(arc(5)));
   folder.file("tum/06.txt", "0 0 0 0 0 0 0 1\n1 0 0 1 0 0 0 1\n");
   const std::vector<DriveChoice> drives = {{.name = "06", .frames = 5}, {.name = "07", .frames = 5}};
-  const auto check = [&](const std::string& poses, std::vector<DriveChoice> of) {
+  const auto check = [&](const std::string& poses, const std::vector<DriveChoice>& of) {
     const auto checked = check_compared({{.name = "a", .poses = poses}}, of);
     return checked ? std::string("none") : checked.error().message;
   };
