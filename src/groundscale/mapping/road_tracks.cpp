@@ -74,7 +74,7 @@ std::vector<RoadTracks::Point> RoadTracks::points(const std::vector<RigidTransfo
     }
     const auto point = triangulate(sights, *camera_, options);
     if (!point || point->rms_px > options_.max_error_px) continue;
-    result.push_back({id, point->point_in_world});
+    result.push_back({id, point->point_in_world, (begin->frame + track.sights.back().frame) / 2});
   }
   return result;
 }

@@ -40,6 +40,7 @@ class RoadTracks {
   struct Point {
     std::int64_t id = 0;
     Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
+    int mean_frame = 0;  ///< In the middle of those that saw it.
   };
   /// Where the points lie, by the poses of the frames that saw them. Ids ascending.
   /// @param cam_from_world  Of frames first_frame, first_frame + 1, ...; sights of earlier ones are left out.

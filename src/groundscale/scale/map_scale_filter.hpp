@@ -9,9 +9,9 @@ namespace groundscale {
 
 struct MapScaleFilterOptions {
   double walk = 0.002;             ///< Random walk of log scale, a root metre,
-  double turn_walk = 0.01;         ///< and a root radian of turning.
-  double turn_drift_sd = 0.15;     ///< Prior of the drift a radian of turning: what a wrong calibration does.
-  double turn_drift_walk = 0.005;  ///< Random walk of that, a root metre.
+  double turn_walk = 0.03;         ///< and a root radian of turning.
+  double turn_drift_sd = 0.1;     ///< Prior of the drift a radian of turning: what a wrong calibration does.
+  double turn_drift_walk = 0.002;  ///< Random walk of that, a root metre.
   double start_sd = 0.1;           ///< Of log scale at a map's start.
 };
 
@@ -30,8 +30,9 @@ class MapScaleFilter {
   /// Starts anew at a scale: a map has begun. The drift in turns is the camera's and goes on.
   void start(double log_scale, double sd);
   void predict(double distance_m, double turn_rad);
-  /// Observation of log scale. One that is off by more than 2.5 sd counts less, as in Huber's loss.
-  void update(double log_scale, double sd);
+  /// Observation of log scale as it was before the camera turned by the last `turned_rad`: points carry the scale of
+  /// when they were seen. One that is off by more than 2.5 sd counts less, as in Huber's loss.
+  void update(double log_scale, double sd, double turned_rad = 0.0);
 
   double log_scale() const { return state_.mean(0); }
   double sd() const;

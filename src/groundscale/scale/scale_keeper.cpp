@@ -64,6 +64,12 @@ void visit_fields(ScaleKeeperOptions& options, FieldVisitor& visitor) {
                  .min = 0,
                  .max = 1},
                 options.turn_model);
+  visitor.field({.key = "seen_share",
+                 .unit = "",
+                 .help = "of the turning since a road point was seen, by how much its scale is behind",
+                 .min = 0,
+                 .max = 1},
+                options.seen_share);
   visitor.field({.key = "correlation_m",
                  .unit = "m",
                  .help = "measurements over a shorter way count as one together",
@@ -113,7 +119,7 @@ ScaleReport ScaleKeeper::advance(const Input& input) {
   if (report.reason.empty()) {
     // Neighbouring frames see the same stretch of road: what they say together is worth no more than one of them.
     const double share = std::clamp(since_measured_m_ / std::max(1e-6, options_.correlation_m), 1e-3, 1.0);
-    filter_.update(std::log(*report.measured), report.measured_sd / std::sqrt(share));
+    filter_.update(std::log(*report.measured), report.measured_sd / std::sqrt(share), report.turned_rad);
     since_measured_m_ = 0.0;
   }
   // A new map's scale is measured over its first metres, and then held.
@@ -173,7 +179,16 @@ void ScaleKeeper::measure(const Input& input, const Trail& trail, ScaleReport& r
   const double turn = options_.turn_model * std::max(0.0, std::abs(input.turn_rate_dps) / 10.0 - 1.0);
   report.measured_sd = std::sqrt(std::pow(options_.step_model, 2) +
                                  std::pow(options_.formal_factor * plane->log_height_sd, 2) + turn * turn);
-  for (const int i : plane->inliers) report.inliers.push_back(which[static_cast<std::size_t>(i)]);
+  double weights = 0.0;
+  for (const int i : plane->inliers) {
+    const auto point = static_cast<std::size_t>(which[static_cast<std::size_t>(i)]);
+    report.inliers.push_back(which[static_cast<std::size_t>(i)]);
+    if (input.turned_since_seen_rad.empty()) continue;
+    const double weight = points.weights[static_cast<std::size_t>(i)];
+    report.turned_rad += weight * input.turned_since_seen_rad[point];
+    weights += weight;
+  }
+  if (weights > 0.0) report.turned_rad *= options_.seen_share / weights;
 }
 
 void ScaleKeeper::judge(const Input& input, double speed_mps, ScaleReport& report) const {

@@ -35,6 +35,8 @@ struct ScaleKeeperOptions {
   double step_model = 0.01;       ///< Sd of log scale that roads add, not being planes,
   double formal_factor = 4.0;     ///< beside so much of the formal sd,
   double turn_model = 0.005;      ///< and for each 10 deg/s of turning beyond the first 10.
+  /// Of the turning since a point was seen, how much its scale is behind by: the local map goes on adjusting it.
+  double seen_share = 0.5;
   double correlation_m = 1.0;     ///< Measurements of a shorter way than this count as one together.
   double tie_m = 8.0;             ///< Way behind the camera that is tied to the plane.
   double heading_m = 3.0;         ///< Way behind the camera that the path ahead is taken from.
@@ -55,6 +57,7 @@ struct ScaleReport {
   GroundPlane plane_in_cam;        ///< Where measured, in map units.
   std::vector<int> inliers;        ///< Of the road points given.
   int points_on_path = 0;
+  double turned_rad = 0.0;  ///< Mean of the inliers' turn since they were seen.
   double held = 1.0;     ///< Metres per map unit in force.
   double held_sd = 0.0;  ///< Of its log.
   double drift_ratio = 1.0;  ///< lambda = measured / held, > 1: the map has become too small; 1 where not measured.
@@ -79,6 +82,8 @@ class ScaleKeeper {
     /// Latest poses of the map, the present one last; as far back as 15 m.
     std::vector<RigidTransform> world_from_cam;
     std::vector<Eigen::Vector3d> road_points_in_world;
+    /// For each road point by how much the camera has turned since it was seen, rad; empty where that isn't known.
+    std::vector<double> turned_since_seen_rad;
     Mounting mounting;                 ///< As known so far.
     Eigen::Vector3d expected_normal = Eigen::Vector3d::UnitY();  ///< Of the road in the present camera.
     double turn_rate_dps = 0.0;
