@@ -48,8 +48,9 @@ void visit_fields(ScaleKeeperOptions& options, FieldVisitor& visitor) {
                  .min = 0,
                  .max = 1000},
                 options.settle_m);
-  visitor.field({.key = "mounting_deg", .unit = "deg", .help = "normal against the expected one", .min = 0.5, .max = 45},
-                options.mounting_deg);
+  visitor.field(
+      {.key = "mounting_deg", .unit = "deg", .help = "normal against the expected one", .min = 0.5, .max = 45},
+      options.mounting_deg);
   visitor.field({.key = "min_speed_mps", .unit = "m/s", .help = "slower measurements are refused", .min = 0, .max = 20},
                 options.min_speed_mps);
   visitor.field({.key = "max_sd", .unit = "", .help = "sd of log scale of a measurement", .min = 0.001, .max = 1},
@@ -104,7 +105,8 @@ ScaleReport ScaleKeeper::advance(const Input& input) {
   driven_m_ += step_m;
   since_measured_m_ += step_m;
 
-  const double turn_rad = poses.size() < 2 ? 0.0 : rotation_angle(poses.back().rotation.transpose() * poses[poses.size() - 2].rotation);
+  const double turn_rad =
+      poses.size() < 2 ? 0.0 : rotation_angle(poses.back().rotation.transpose() * poses[poses.size() - 2].rotation);
   filter_.predict(step_m, turn_rad);
   ScaleReport report;
   const Trail trail = trail_of(poses, held(), std::max(options_.tie_m, options_.path.behind_m) + 1.0);
@@ -190,8 +192,8 @@ void ScaleKeeper::judge(const Input& input, double speed_mps, ScaleReport& repor
 void ScaleKeeper::decide(const Input& input, ScaleReport& report) {
   if (!report.reason.empty() || driven_m_ <= options_.settle_m) return;
   const double ratio = report.drift_ratio;
-  const bool sure = report.measured_sd <= options_.max_trigger_sd &&
-                    std::abs(input.turn_rate_dps) <= options_.max_trigger_turn_dps;
+  const bool sure =
+      report.measured_sd <= options_.max_trigger_sd && std::abs(input.turn_rate_dps) <= options_.max_trigger_turn_dps;
   if (!sure) return;
   const double log_ratio = std::log(ratio);
   const bool same_side = sustained_.empty() || (sustained_.back() > 0.0) == (log_ratio > 0.0);
@@ -206,8 +208,9 @@ void ScaleKeeper::decide(const Input& input, ScaleReport& report) {
 }
 
 void ScaleKeeper::corrected(double lambda) {
-  // The map has grown: a unit of it is as many metres again as it was at the start.
-  filter_.start(filter_.log_scale() - std::log(lambda), filter_.sd());
+  GS_CHECK(lambda > 0.0, "a scale is positive");
+  // The same stretch of road has lambda times as many units now, and each of them is so many metres fewer.
+  filter_.change_unit(-std::log(lambda));
   sustained_.clear();
 }
 

@@ -24,20 +24,20 @@ enum class ScaleCorrection {
 };
 
 struct ScaleKeeperOptions {
-  double trigger = 0.075;         ///< |lambda - 1| above which the map is scaled.
-  int sustained = 5;              ///< Measurements in a row that have to say so.
-  double max_trigger_sd = 0.02;   ///< Of each of them.
+  double trigger = 0.075;        ///< |lambda - 1| above which the map is scaled.
+  int sustained = 5;             ///< Measurements in a row that have to say so.
+  double max_trigger_sd = 0.02;  ///< Of each of them.
   double max_trigger_turn_dps = 10.0;
-  double settle_m = 15.0;         ///< Way over which the scale of a new map is measured before it is held.
-  double mounting_deg = 5.0;      ///< Normal against the expected one.
+  double settle_m = 15.0;     ///< Way over which the scale of a new map is measured before it is held.
+  double mounting_deg = 5.0;  ///< Normal against the expected one.
   double min_speed_mps = 0.5;
-  double max_sd = 0.1;            ///< Of log scale, enlarged: beyond, a measurement is refused.
-  double step_model = 0.01;       ///< Sd of log scale that roads add, not being planes,
-  double formal_factor = 4.0;     ///< beside so much of the formal sd,
-  double turn_model = 0.005;      ///< and for each 10 deg/s of turning beyond the first 10.
-  double correlation_m = 1.0;     ///< Measurements of a shorter way than this count as one together.
-  double tie_m = 8.0;             ///< Way behind the camera that is tied to the plane.
-  double heading_m = 3.0;         ///< Way behind the camera that the path ahead is taken from.
+  double max_sd = 0.1;         ///< Of log scale, enlarged: beyond, a measurement is refused.
+  double step_model = 0.01;    ///< Sd of log scale that roads add, not being planes,
+  double formal_factor = 4.0;  ///< beside so much of the formal sd,
+  double turn_model = 0.005;   ///< and for each 10 deg/s of turning beyond the first 10.
+  double correlation_m = 1.0;  ///< Measurements of a shorter way than this count as one together.
+  double tie_m = 8.0;          ///< Way behind the camera that is tied to the plane.
+  double heading_m = 3.0;      ///< Way behind the camera that the path ahead is taken from.
   PathWeightOptions path;
   PointPlaneOptions plane;
   MapScaleFilterOptions filter;
@@ -55,8 +55,8 @@ struct ScaleReport {
   GroundPlane plane_in_cam;        ///< Where measured, in map units.
   std::vector<int> inliers;        ///< Of the road points given.
   int points_on_path = 0;
-  double held = 1.0;     ///< Metres per map unit in force.
-  double held_sd = 0.0;  ///< Of its log.
+  double held = 1.0;         ///< Metres per map unit in force.
+  double held_sd = 0.0;      ///< Of its log.
   double drift_ratio = 1.0;  ///< lambda = measured / held, > 1: the map has become too small; 1 where not measured.
   /// Set where the map should be scaled (triggered): by lambda.
   std::optional<double> correction;
@@ -79,7 +79,7 @@ class ScaleKeeper {
     /// Latest poses of the map, the present one last; as far back as 15 m.
     std::vector<RigidTransform> world_from_cam;
     std::vector<Eigen::Vector3d> road_points_in_world;
-    Mounting mounting;                 ///< As known so far.
+    Mounting mounting;                                           ///< As known so far.
     Eigen::Vector3d expected_normal = Eigen::Vector3d::UnitY();  ///< Of the road in the present camera.
     double turn_rate_dps = 0.0;
   };
