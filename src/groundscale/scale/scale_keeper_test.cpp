@@ -154,6 +154,23 @@ TEST(ScaleKeeper, CorrectsAMapThatHasDriftedAndHoldsTheSameScale) {
   }
 }
 
+TEST(ScaleKeeper, ACorrectedMapHasSmallerUnits) {
+  ForeignMap map({});
+  ScaleKeeper keeper = keeper_of(ScaleCorrection::kFiltered);
+  for (int k = 0; k < 80; ++k) keeper.advance(map.input(k));
+  const double before = keeper.held();
+  map.scale(1.25);
+  keeper.corrected(1.25);
+  EXPECT_NEAR(keeper.held(), before / 1.25, 1e-12);
+  for (int k = 80; k < 160; ++k) {
+    EXPECT_NEAR(keeper.advance(map.input(k)).drift_ratio.value(), 1.0, 0.005);
+  }
+  const auto smoothed = keeper.smoothed();
+  for (std::size_t k = 0; k < smoothed.size(); ++k) {
+    EXPECT_NEAR(std::exp(smoothed[k].log_scale), k < 80 ? 1.0 : 0.8, 0.003) << k;
+  }
+}
+
 TEST(ScaleKeeper, SmallDriftIsNotCorrected) {
   EXPECT_TRUE(triggers(jumping(1.06)).empty());
   EXPECT_TRUE(triggers(jumping(0.94)).empty());
@@ -222,6 +239,10 @@ TEST(ScaleKeeper, NoCorrectionByABadFrameOrFour) {
   EXPECT_FALSE(triggered_by_bad_frames(80, 81, deep));
   EXPECT_FALSE(triggered_by_bad_frames(80, 84, deep));
   EXPECT_TRUE(triggered_by_bad_frames(80, 90, deep));
+}
+
+TEST(ScaleKeeper, AGoodMeasurementEndsTheRow) {
+  EXPECT_FALSE(triggered_by_bad_frames(80, 100, [](int k) { return k % 4 == 3 ? 1.0 : 1.15; }));
 }
 
 TEST(ScaleKeeper, NoCorrectionByMeasurementsThatContradictEachOther) {
