@@ -20,7 +20,7 @@ enum class ScaleCorrection {
   kNone,        ///< The scale found at the start is held.
   kTriggered,   ///< The same, and the map is scaled where it has drifted by more than a threshold (Algorithm 2).
   kFiltered,    ///< Metres per map unit follow the ground as a slow process.
-  kContinuous,  ///< The ground is part of the bundle adjustment.
+  kContinuous,  ///< The ground takes part in the bundle adjustment, and what is left is filtered.
 };
 
 struct ScaleKeeperOptions {
@@ -69,8 +69,9 @@ struct ScaleReport {
 ///   measured = H_c / h   and   lambda = measured / held,   both held and measured in metres per map unit.
 /// The measurement's variance is step_model^2 + (formal_factor sd)^2 + (turn_model max(0, rate / 10 deg/s - 1))^2; over
 /// a step d shorter than correlation_m it counts with d / correlation_m of that weight. `none`, `triggered`: held is
-/// the filter's scale over a map's first settle_m, and then stays. `filtered`: held is the filter's scale. `continuous`
-/// is as `none` here. Deterministic. O(road points + poses) a frame; memory grows by 150 bytes a frame.
+/// the filter's scale over a map's first settle_m, and then stays. `filtered`,
+/// `continuous`: held is the filter's scale. Deterministic. O(road points + poses) a frame; memory grows by 150 bytes a
+/// frame.
 class ScaleKeeper {
  public:
   /// @param camera_height_m  Over the road, perpendicular to it; > 0.
@@ -110,6 +111,10 @@ class ScaleKeeper {
 
   /// Metres per map unit in force.
   double held() const;
+  /// Whether that follows the ground from frame to frame: `filtered` and `continuous`.
+  bool follows_ground() const {
+    return correction_ == ScaleCorrection::kFiltered || correction_ == ScaleCorrection::kContinuous;
+  }
   double held_sd() const { return filter_.sd(); }  ///< As ScaleReport::held_sd.
   /// log(metres per unit) from the whole drive: one for each advance, pass and skip, each in the unit that its map had
   /// then.
