@@ -71,28 +71,32 @@ TEST(MapScaleFilter, ConvergesToAConstantScale) {
   EXPECT_NEAR(filter.log_scale(), 0.5, 1e-6);
   // The steady state of a random walk with variance q a step and measurements of variance r: q r = p^2 + p q (p before
   // the update, p r / (p + r) after it).
-  const double q = 0.002 * 0.002 * kStepM;
+  const double walk = MapScaleFilterOptions{}.walk;
+  const double q = walk * walk * kStepM;
   const double r = kMeasuredSd * kMeasuredSd;
   const double predicted = 0.5 * (q + std::sqrt(q * q + 4.0 * q * r));
   EXPECT_NEAR(filter.sd(), std::sqrt(predicted * r / (predicted + r)), 1e-5);
 }
 
 TEST(MapScaleFilter, WithoutMeasurementsGrowsUncertainByItsModel) {
-  MapScaleFilter filter({});
+  const MapScaleFilterOptions options;
+  MapScaleFilter filter(options);
   filter.start(0.0, 0.01);
   for (int k = 0; k < 100; ++k) filter.predict(0.25, 0.0);
-  EXPECT_NEAR(filter.sd(), std::sqrt(0.01 * 0.01 + 0.002 * 0.002 * 25.0), 1e-7);  // 1e-12 a step is for the smoother
+  const double straight = 0.01 * 0.01 + options.walk * options.walk * 25.0;
+  EXPECT_NEAR(filter.sd(), std::sqrt(straight), 1e-7);  // 1e-12 a step is for the smoother
   filter.predict(0.0, kQuarterTurn);
-  const double drift_sd = std::sqrt(0.15 * 0.15 + 0.005 * 0.005 * 25.0);
-  EXPECT_NEAR(
-      filter.sd(),
-      std::sqrt(0.01 * 0.01 + 0.002 * 0.002 * 25.0 + 0.01 * 0.01 * kQuarterTurn + std::pow(kQuarterTurn * drift_sd, 2)),
-      1e-9);
+  const double drift_sd = std::hypot(options.turn_drift_sd, options.turn_drift_walk * 5.0);
+  const double turn = options.turn_walk * options.turn_walk * kQuarterTurn + std::pow(kQuarterTurn * drift_sd, 2);
+  EXPECT_NEAR(filter.sd(), std::sqrt(straight + turn), 1e-7);
 }
 
 TEST(MapScaleFilter, LearnsTheDriftInATurnAndPredictsItInTheNext) {
   constexpr double kDrift = -0.1;
-  MapScaleFilter filter({});
+  MapScaleFilterOptions options;
+  options.turn_drift_sd = 0.15;
+  options.turn_walk = 0.01;
+  MapScaleFilter filter(options);
   filter.start(0.0, 0.02);
   double truth = 0.0;
   const auto drive = [&](int frames, double turn_rad, bool measured) {

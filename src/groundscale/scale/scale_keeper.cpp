@@ -93,9 +93,7 @@ void ScaleKeeper::start(double metres_per_unit, double sd) {
   sustained_.clear();
 }
 
-double ScaleKeeper::held() const {
-  return follows_ground() ? std::exp(filter_.log_scale()) : held_;
-}
+double ScaleKeeper::held() const { return follows_ground() ? std::exp(filter_.log_scale()) : held_; }
 
 ScaleKeeper::Motion ScaleKeeper::motion_of(const Input& input) const {
   const std::vector<RigidTransform>& poses = input.world_from_cam;
