@@ -153,9 +153,9 @@ void KeyframeOdometry::take_report(FrameResult& result, const ScaleReport& repor
   if (!report.measured) return;
   result.raw_over_online = *report.measured / report.held;
   result.drift_ratio = report.drift_ratio;
-  last_drift_ratio_ = report.drift_ratio;
+  last_drift_ratio_ = *report.drift_ratio;
   if (correction_open_ && report.reason.empty()) {
-    corrections_.back().drift_after = report.drift_ratio;
+    corrections_.back().drift_after = *report.drift_ratio;
     correction_open_ = false;
   }
   result.raw_sd = report.measured_sd;
