@@ -65,8 +65,9 @@ struct BundleSummary {
 
 /// Poses and points that minimise
 ///   sum rho(|pixel - project(R_view X_point + t_view)|) + sum (pixel_sd log(|c_1 - c_2| / distance) / log_sd)^2 / 2,
-/// c the centres of the views, by Levenberg-Marquardt, the points eliminated first (Triggs et al. 1999). Fixed views don't move. One fixed view leaves the scale free: it stays
-/// near that of the start, for nothing but the damping holds it; two or more with a baseline fix it.
+/// c the centres of the views, by Levenberg-Marquardt, the points eliminated first (Triggs et al. 1999). Fixed views
+/// don't move. One fixed view leaves the scale free: it stays near that of the start, for nothing but the damping holds
+/// it; two or more with a baseline fix it.
 ///
 /// Left out are observations whose point doesn't project at the start, and those of a point with fewer than two.
 /// A point that a step would take out of the field of a camera that sees it (behind a pinhole) goes only so far that it

@@ -30,17 +30,15 @@ void visit_fields(LocalMapOptions& options, FieldVisitor& visitor) {
                  .min = 2,
                  .max = 100},
                 options.free_keyframes);
-  visitor.field({.key = "fixed_keyframes", .unit = "", .help = "keyframes before them that hold it", .min = 2, .max = 100},
-                options.fixed_keyframes);
+  visitor.field(
+      {.key = "fixed_keyframes", .unit = "", .help = "keyframes before them that hold it", .min = 2, .max = 100},
+      options.fixed_keyframes);
   visitor.field(
       {.key = "max_points", .unit = "", .help = "landmarks in the bundle adjustment", .min = 30, .max = 100000},
       options.max_points);
-  visitor.field({.key = "min_parallax_px",
-                 .unit = "px",
-                 .help = "between the rays of a new landmark",
-                 .min = 0.1,
-                 .max = 100},
-                options.min_parallax_px);
+  visitor.field(
+      {.key = "min_parallax_px", .unit = "px", .help = "between the rays of a new landmark", .min = 0.1, .max = 100},
+      options.min_parallax_px);
   visitor.field({.key = "max_error_px",
                  .unit = "px",
                  .help = "a sight farther off after the adjustment is left out",
@@ -75,9 +73,8 @@ const Eigen::Vector3d* LocalMap::point_of(TrackId id) const {
 }
 
 int LocalMap::point_count() const {
-  return static_cast<int>(std::count_if(landmarks_.begin(), landmarks_.end(), [](const auto& entry) {
-    return entry.second.point_in_world.has_value();
-  }));
+  return static_cast<int>(std::count_if(landmarks_.begin(), landmarks_.end(),
+                                        [](const auto& entry) { return entry.second.point_in_world.has_value(); }));
 }
 
 int LocalMap::add(int frame, const RigidTransform& cam_from_world, const std::vector<TrackPoint>& points) {
@@ -137,73 +134,82 @@ int LocalMap::triangulate() {
   return made;
 }
 
-std::size_t LocalMap::first_free() const {
+/// After a correction what lies before it takes no part, and the corrected part's own beginning holds it.
+LocalMap::Window LocalMap::window() const {
+  Window window;
+  while (window.begin < keyframes_.size() && keyframes_[window.begin].serial < boundary_) ++window.begin;
   const auto free = static_cast<std::size_t>(options_.free_keyframes);
-  return std::max<std::size_t>(1, keyframes_.size() > free ? keyframes_.size() - free : 0);
+  window.free = std::max(window.begin + 1, keyframes_.size() > free ? keyframes_.size() - free : 0);
+  const bool held_by_one = window.begin > 0 && window.free == window.begin + 1;
+  if (held_by_one && keyframes_.size() > window.free + 1) ++window.free;
+  return window;
+}
+
+/// Landmarks that a free keyframe sees; those with most sights where there are too many.
+std::vector<Landmark*> LocalMap::landmarks_in(const Window& window) {
+  const int free_serial = keyframes_[window.free].serial;
+  std::vector<Landmark*> seen;
+  for (auto& [id, landmark] : landmarks_) {
+    if (!landmark.point_in_world || landmark.sights.size() < kMinSights) continue;
+    if (landmark.sights.back().keyframe >= free_serial) seen.push_back(&landmark);
+  }
+  std::stable_sort(seen.begin(), seen.end(),
+                   [](const Landmark* a, const Landmark* b) { return a->sights.size() > b->sights.size(); });
+  return seen;
+}
+
+Bundle LocalMap::bundle_of(const Window& window, std::span<Landmark* const> landmarks) const {
+  Bundle bundle;
+  bundle.camera = camera_;
+  for (std::size_t k = window.begin; k < keyframes_.size(); ++k) {
+    const Keyframe& keyframe = keyframes_[k];
+    const int view = static_cast<int>(k - window.begin);
+    bundle.views.push_back({keyframe.cam_from_world, k < window.free});
+    if (view > 0 && k >= window.free && keyframe.distance) {
+      bundle.distances.push_back({view - 1, view, *keyframe.distance, keyframe.distance_log_sd});
+    }
+  }
+  const int first_serial = keyframes_[window.begin].serial;
+  for (const Landmark* landmark : landmarks) {
+    const int point = static_cast<int>(bundle.points_in_world.size());
+    bundle.points_in_world.push_back(*landmark->point_in_world);
+    for (const Landmark::Sight& sight : landmark->sights) {
+      if (sight.keyframe < first_serial) continue;
+      bundle.observations.push_back({sight.keyframe - first_serial, point, sight.pixel});
+    }
+  }
+  return bundle;
+}
+
+/// One fixed keyframe leaves the scale open: it stays that of the way up to the last keyframe but one.
+double LocalMap::scale_kept(const Window& window, const Bundle& bundle) const {
+  if (window.free != window.begin + 1 || !bundle.distances.empty()) return 1.0;
+  const Eigen::Vector3d origin = centre_of(keyframes_[window.begin]);
+  const std::size_t reference = std::max(window.begin + 1, keyframes_.size() - 2);
+  const double before = (centre_of(keyframes_[reference]) - origin).norm();
+  const double after = (bundle.views[reference - window.begin].cam_from_world.inverse().translation - origin).norm();
+  return after > 0.0 ? before / after : 1.0;
 }
 
 void LocalMap::adjust() {
-  // After a correction what lies before it takes no part, and the corrected part's own beginning holds it.
-  std::size_t begin = 0;
-  while (begin < keyframes_.size() && keyframes_[begin].serial < boundary_) ++begin;
-  if (keyframes_.size() < begin + 2) return;
-  std::size_t free = std::max(first_free(), begin + 1);
-  if (begin > 0 && keyframes_.size() > begin + 2) free = std::max(free, begin + 2);
-
-  Bundle bundle;
-  bundle.camera = camera_;
-  for (std::size_t k = begin; k < keyframes_.size(); ++k) {
-    bundle.views.push_back({keyframes_[k].cam_from_world, k < free});
-  }
-  for (std::size_t k = std::max(free, begin + 1); k < keyframes_.size(); ++k) {
-    const Keyframe& keyframe = keyframes_[k];
-    const int view = static_cast<int>(k - begin);
-    if (keyframe.distance) bundle.distances.push_back({view - 1, view, *keyframe.distance, keyframe.distance_log_sd});
-  }
-  const int first_serial = keyframes_[begin].serial;
-  const int free_serial = keyframes_[free].serial;
-  // Landmarks that are seen by what is free; those with most sights where there are too many.
-  std::vector<std::pair<int, Landmark*>> candidates;
-  for (auto& [id, landmark] : landmarks_) {
-    if (!landmark.point_in_world || landmark.sights.size() < kMinSights) continue;
-    if (landmark.sights.back().keyframe < free_serial) continue;
-    candidates.emplace_back(-static_cast<int>(landmark.sights.size()), &landmark);
-  }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  const std::size_t used = std::min(candidates.size(), static_cast<std::size_t>(options_.max_points));
-  for (std::size_t i = 0; i < used; ++i) {
-    const Landmark& landmark = *candidates[i].second;
-    bundle.points_in_world.push_back(*landmark.point_in_world);
-    for (const Landmark::Sight& sight : landmark.sights) {
-      if (sight.keyframe < first_serial) continue;
-      bundle.observations.push_back({sight.keyframe - first_serial, static_cast<int>(i), sight.pixel});
-    }
-  }
-  const std::size_t before_last = keyframes_.size() - 2;
-  const double length = (centre_of(keyframes_[before_last]) - centre_of(keyframes_[begin])).norm();
+  const Window window = this->window();
+  if (keyframes_.size() <= window.free) return;
+  const std::vector<Landmark*> seen = landmarks_in(window);
+  const std::size_t used = std::min(seen.size(), static_cast<std::size_t>(options_.max_points));
+  Bundle bundle = bundle_of(window, std::span(seen).first(used));
   if (!adjust_bundle(bundle, options_.bundle)) return;
 
-  // One fixed keyframe leaves the scale open: it stays that of the way up to the last keyframe but one.
-  double scale = 1.0;
-  const Eigen::Vector3d origin = centre_of(keyframes_[begin]);
-  if (free == begin + 1 && bundle.distances.empty()) {
-    const std::size_t reference = before_last > begin ? before_last : before_last + 1;
-    const double old_length =
-        before_last > begin ? length : (centre_of(keyframes_[reference]) - origin).norm();
-    const double new_length =
-        (bundle.views[reference - begin].cam_from_world.inverse().translation - origin).norm();
-    if (new_length > 0.0) scale = old_length / new_length;
-  }
-  for (std::size_t k = free; k < keyframes_.size(); ++k) {
-    RigidTransform world_from_cam = bundle.views[k - begin].cam_from_world.inverse();
+  const double scale = scale_kept(window, bundle);
+  const Eigen::Vector3d origin = centre_of(keyframes_[window.begin]);
+  for (std::size_t k = window.free; k < keyframes_.size(); ++k) {
+    RigidTransform world_from_cam = bundle.views[k - window.begin].cam_from_world.inverse();
     world_from_cam.translation = origin + scale * (world_from_cam.translation - origin);
     keyframes_[k].cam_from_world = world_from_cam.inverse();
   }
   for (std::size_t i = 0; i < used; ++i) {
-    candidates[i].second->point_in_world = Eigen::Vector3d(origin + scale * (bundle.points_in_world[i] - origin));
+    seen[i]->point_in_world = Eigen::Vector3d(origin + scale * (bundle.points_in_world[i] - origin));
   }
-  for (std::size_t i = used; i < candidates.size(); ++i) retriangulate(*candidates[i].second);
+  for (std::size_t i = used; i < seen.size(); ++i) retriangulate(*seen[i]);
   drop_bad_sights();
 }
 

@@ -3,6 +3,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,12 +17,12 @@
 namespace groundscale {
 
 struct LocalMapOptions {
-  int free_keyframes = 6;         ///< Adjusted by the bundle adjustment;
-  int fixed_keyframes = 3;        ///< so many before them hold it.
-  int max_points = 800;           ///< Landmarks in the adjustment, those with most sights.
-  double min_parallax_px = 3.0;   ///< Between the rays of a new landmark.
-  double max_error_px = 1.5;      ///< A sight that is farther off after the adjustment is left out.
-  int strikes = 3;                ///< Frames in a row in which a landmark may disagree with the map before it is dropped.
+  int free_keyframes = 6;        ///< Adjusted by the bundle adjustment;
+  int fixed_keyframes = 3;       ///< so many before them hold it.
+  int max_points = 800;          ///< Landmarks in the adjustment, those with most sights.
+  double min_parallax_px = 3.0;  ///< Between the rays of a new landmark.
+  double max_error_px = 1.5;     ///< A sight that is farther off after the adjustment is left out.
+  int strikes = 3;  ///< Frames in a row in which a landmark may disagree with the map before it is dropped.
   BundleOptions bundle{.loss = BundleLoss::kCauchy, .loss_px = 0.5};
 };
 
@@ -82,7 +83,15 @@ class LocalMap {
   const Keyframe& scale(double lambda);
 
  private:
-  std::size_t first_free() const;
+  /// Keyframes from `begin` take part in the adjustment, those from `free` on are moved by it.
+  struct Window {
+    std::size_t begin = 0;
+    std::size_t free = 1;
+  };
+  Window window() const;
+  std::vector<Landmark*> landmarks_in(const Window& window);
+  Bundle bundle_of(const Window& window, std::span<Landmark* const> landmarks) const;
+  double scale_kept(const Window& window, const Bundle& bundle) const;
   void forget_old();
   void retriangulate(Landmark& landmark);
   void drop_bad_sights();
