@@ -37,17 +37,12 @@ Result<std::unique_ptr<Odometry>> make_odometry(const CameraSetup& setup, const 
 
 Result<std::unique_ptr<KeyframeOdometry>> KeyframeOdometry::create(const CameraSetup& setup,
                                                                    const OdometryOptions& options) {
-  std::optional<RoadDetector> detector;
-  OdometryOptions bridging = options;
-  if (!options.road.network.file.empty()) {
-    auto opened = RoadDetector::open(options.road.network, setup.camera);
-    if (!opened) return opened.error();
-    detector = std::move(*opened);
-    bridging.road.network.file.clear();
-  }
-  auto pairwise = PairwiseOdometry::create(setup, bridging);
+  auto pairwise = PairwiseOdometry::create(setup, options);
   if (!pairwise) return pairwise.error();
-  std::unique_ptr<KeyframeOdometry> odometry(new KeyframeOdometry(setup, bridging, std::move(*pairwise)));
+  auto detector = pairwise->shared_detector();
+  OdometryOptions rest = options;  // a later pairwise odometry doesn't open the network again
+  rest.road.network.file.clear();
+  std::unique_ptr<KeyframeOdometry> odometry(new KeyframeOdometry(setup, rest, std::move(*pairwise)));
   odometry->detector_ = std::move(detector);
   return odometry;
 }
@@ -143,9 +138,8 @@ std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& trac
     for (std::size_t i = 0; i < ids.size(); ++i) {
       const auto match = std::lower_bound(matches.begin(), matches.end(), ids[i],
                                           [](const Match& m, TrackId id) { return m.id < id; });
-      details_.matches.push_back(match != matches.end() && match->id == ids[i]
-                                     ? *match
-                                     : Match{ids[i], sights[i].pixel, sights[i].pixel});
+      details_.matches.push_back(
+          match != matches.end() && match->id == ids[i] ? *match : Match{ids[i], sights[i].pixel, sights[i].pixel});
     }
   }
   return found->cam_from_world;
@@ -154,7 +148,8 @@ std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& trac
 bool KeyframeOdometry::wants_keyframe(const TrackedPoints& tracked) const {
   const Keyframe& last = map_.keyframes().back();
   const Matches matches = match_by_id(last.points, tracked.points);
-  const double share = static_cast<double>(matches.size()) / std::max<double>(1.0, static_cast<double>(last.points.size()));
+  const double share =
+      static_cast<double>(matches.size()) / std::max<double>(1.0, static_cast<double>(last.points.size()));
   if (share < options_.keyframe.min_share) return true;
   return fit_rotation(ray_pairs(matches, *camera_), camera_->focal_px()).parallax_px >=
          options_.keyframe.min_parallax_px;
@@ -245,8 +240,7 @@ void KeyframeOdometry::refresh_poses() {
   const auto& keyframes = map_.keyframes();
   for (std::size_t k = 1; k < keyframes.size(); ++k) {
     Link& link = links_[static_cast<std::size_t>(keyframes[k].frame)];
-    const RigidTransform before_from_cam =
-        keyframes[k - 1].cam_from_world * keyframes[k].cam_from_world.inverse();
+    const RigidTransform before_from_cam = keyframes[k - 1].cam_from_world * keyframes[k].cam_from_world.inverse();
     if (link.is_keyframe) link.reference_from_cam = before_from_cam;
     keyframes_m_[keyframes[k].serial] =
         keyframes_m_.at(keyframes[k - 1].serial) * in_metres(before_from_cam, link.unit_m);
@@ -269,8 +263,7 @@ const FrameResult& KeyframeOdometry::coast(FrameResult result, const Recent& pre
   const double unit_m = keeper_.held();
   links_.push_back({last.frame, here.cam_from_keyframe.inverse(), unit_m, true, false, {}});
   keeper_.pass(time_s, 0.0);
-  return append(std::move(result),
-                keyframes_m_.at(last.serial) * in_metres(here.cam_from_keyframe.inverse(), unit_m));
+  return append(std::move(result), keyframes_m_.at(last.serial) * in_metres(here.cam_from_keyframe.inverse(), unit_m));
 }
 
 const FrameResult& KeyframeOdometry::append(FrameResult result, const RigidTransform& world_from_cam_m) {

@@ -39,7 +39,7 @@ class KeyframeOdometry final : public Odometry {
   std::vector<RigidTransform> final_poses() const override { return final_poses_; }
   std::vector<ScaleEvent> corrections() const override { return corrections_; }
   const StageClock& clock() const override { return clock_; }
-  const RoadDetector* road_detector() const override { return detector_ ? &*detector_ : nullptr; }
+  const RoadDetector* road_detector() const override { return detector_.get(); }
   Mounting mounting() const override { return mounting_.mounting(); }
 
  private:
@@ -57,7 +57,7 @@ class KeyframeOdometry final : public Odometry {
     int reference = -1;
     RigidTransform reference_from_cam;
     double unit_m = 1.0;
-    bool by_map = false;      ///< Else by the pairwise odometry, in metres.
+    bool by_map = false;  ///< Else by the pairwise odometry, in metres.
     bool is_keyframe = false;
     RigidTransform as_tracked;  ///< Of a keyframe: what the link was when it was added.
   };
@@ -106,7 +106,7 @@ class KeyframeOdometry final : public Odometry {
   Image tracking_mask_;
   Rng rng_;
   Tracker tracker_;
-  std::optional<RoadDetector> detector_;
+  std::shared_ptr<RoadDetector> detector_;
   MountingEstimate mounting_;
   std::unique_ptr<PairwiseOdometry> pairwise_;
   int bridge_first_ = 0;        ///< Result of the frame that the pairwise odometry took first.
@@ -122,7 +122,7 @@ class KeyframeOdometry final : public Odometry {
   std::optional<double> pending_correction_;
   std::vector<ScaleEvent> corrections_;
   double last_drift_ratio_ = 1.0;
-  bool correction_open_ = false;  ///< The last one waits for its first measurement.
+  bool correction_open_ = false;         ///< The last one waits for its first measurement.
   std::vector<TrackPoint> halt_points_;  ///< Of the last frame that moved.
   bool mapping_ = false;
 

@@ -94,7 +94,8 @@ bool KeyframeOdometry::start_map(const Recent& present) {
   trail_.clear();
   constexpr double kTrailM = 15.0;
   std::size_t oldest = online_poses_.size() - 1;
-  while (oldest > 0 && (online_poses_[oldest].translation - online_poses_.back().translation).norm() < kTrailM) --oldest;
+  while (oldest > 0 && (online_poses_[oldest].translation - online_poses_.back().translation).norm() < kTrailM)
+    --oldest;
   for (std::size_t k = oldest; k < online_poses_.size(); ++k) {
     trail_.push_back({static_cast<int>(k), results_[k].time_s, online_poses_[k].inverse(), -1, {}});
   }
@@ -126,11 +127,11 @@ void KeyframeOdometry::lose_map(const Recent& present) {
   auto pairwise = PairwiseOdometry::create(setup, options_);
   GS_CHECK(pairwise.has_value(), "what could be created once can be created again");
   pairwise_ = std::make_unique<PairwiseOdometry>(std::move(*pairwise));
+  pairwise_->share_detector(detector_);
   constexpr std::size_t kReplayed = 4;
   std::size_t begin = recent_.size() - std::min(recent_.size(), kReplayed);
   // Only frames without a gap, up to the one before the present.
-  while (begin < recent_.size() &&
-         present.index - recent_[begin].index != static_cast<int>(recent_.size() - begin)) {
+  while (begin < recent_.size() && present.index - recent_[begin].index != static_cast<int>(recent_.size() - begin)) {
     ++begin;
   }
   bridge_first_ = begin < recent_.size() ? recent_[begin].index : present.index;

@@ -77,7 +77,7 @@ Result<PairwiseOdometry> PairwiseOdometry::create(const CameraSetup& setup, cons
   if (!options.road.network.file.empty()) {
     auto detector = RoadDetector::open(options.road.network, setup.camera);
     if (!detector) return detector.error();
-    odometry.detector_ = std::move(*detector);
+    odometry.detector_ = std::make_shared<RoadDetector>(std::move(*detector));
   }
   return odometry;
 }
@@ -105,8 +105,7 @@ const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& ro
   return advance(frame, road_mask, {tracker_.points(), tracker_.followed()});
 }
 
-const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& road_mask,
-                                             const TrackedPoints& tracked) {
+const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& road_mask, const TrackedPoints& tracked) {
   details_ = {};
   tracked_ = tracked;
   road_mask_ = road_mask;

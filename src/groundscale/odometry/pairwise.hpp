@@ -45,7 +45,8 @@ class PairwiseOdometry final : public Odometry {
   ///         road network can't be used.
   static Result<PairwiseOdometry> create(const CameraSetup& setup, const OdometryOptions& options);
 
-  /// @param road_mask  It counts where the frame is the earlier one of a pair, in whose image the road region lies. With a
+  /// @param road_mask  It counts where the frame is the earlier one of a pair, in whose image the road region lies.
+  /// With a
   ///                   road network of its own both must see road.
   const FrameResult& advance(const Frame& frame, const Image& road_mask) override;
   using Odometry::advance;
@@ -61,7 +62,10 @@ class PairwiseOdometry final : public Odometry {
   std::vector<RigidTransform> final_poses() const override;
   const StageClock& clock() const override { return clock_; }
   Mounting mounting() const override { return mounting_.mounting(); }
-  const RoadDetector* road_detector() const override { return detector_ ? &*detector_ : nullptr; }
+  const RoadDetector* road_detector() const override { return detector_.get(); }
+  /// The road network shared with another odometry, which gives it frames by turns.
+  std::shared_ptr<RoadDetector> shared_detector() const { return detector_; }
+  void share_detector(std::shared_ptr<RoadDetector> detector) { detector_ = std::move(detector); }
   const MountingEstimate& mounting_estimate() const { return mounting_; }
 
  private:
@@ -108,7 +112,7 @@ class PairwiseOdometry final : public Odometry {
   Tracker tracker_;
   TrackedPoints tracked_;  ///< Of the present frame.
   RoadMatcher road_matcher_;
-  std::optional<RoadDetector> detector_;
+  std::shared_ptr<RoadDetector> detector_;
   MountingEstimate mounting_;
   std::unique_ptr<GroundFilter> filter_;
   Views views_;
