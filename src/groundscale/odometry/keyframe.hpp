@@ -9,6 +9,7 @@
 
 #include "groundscale/core/rng.hpp"
 #include "groundscale/mapping/local_map.hpp"
+#include "groundscale/mapping/relocalise.hpp"
 #include "groundscale/mapping/resection.hpp"
 #include "groundscale/mapping/road_tracks.hpp"
 #include "groundscale/odometry/mounting_estimate.hpp"
@@ -82,9 +83,12 @@ class KeyframeOdometry final : public Odometry {
   void close_bridge();
   bool start_map(const Recent& present);
   void lose_map(const Recent& present);
+  std::optional<RigidTransform> find_again(Recent& present, FrameResult& result);
+  void remember_views();
+  void close_gap(const Recent& present, const RigidTransform& cam_from_world);
 
   // Mapping.
-  const FrameResult& map_frame(FrameResult result, const Recent& present);
+  const FrameResult& map_frame(FrameResult result, Recent& present);
   std::optional<RigidTransform> locate(const TrackedPoints& tracked, double time_s, FrameResult& result);
   RigidTransform predicted_pose(double time_s) const;
   bool stands_still(const TrackedPoints& tracked) const;
@@ -126,6 +130,9 @@ class KeyframeOdometry final : public Odometry {
   std::vector<Correction> corrections_;
   std::vector<TrackPoint> halt_points_;  ///< Of the last frame that moved.
   bool mapping_ = false;
+  std::optional<double> lost_since_s_;  ///< The map carries no frames, but may be found again.
+  std::vector<MapView> lost_views_;     ///< What it looked like.
+  int located_ = 0;                     ///< Result of the last frame that the map has located.
 
   std::vector<FrameResult> results_;
   std::vector<Link> links_;

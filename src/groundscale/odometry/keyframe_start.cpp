@@ -1,13 +1,23 @@
 // How the keyframe odometry gets along without a map: frames carried by the pairwise odometry, a map begun and lost.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include "groundscale/geometry/so3.hpp"
 #include "groundscale/odometry/keyframe.hpp"
 
 namespace groundscale {
+namespace {
+
+double time_between(double earlier_s, double later_s) {
+  constexpr double kMinStepTimeS = 1e-3;
+  return std::max(kMinStepTimeS, later_s - earlier_s);
+}
+
+}  // namespace
 
 const FrameResult& KeyframeOdometry::bridge(const Recent& present) {
   const bool was_scaled = pairwise_->scaled();
@@ -21,7 +31,11 @@ const FrameResult& KeyframeOdometry::bridge(const Recent& present) {
     if (!pairwise_->scaled()) step.translation *= bridge_unit_m_;
   }
   links_.push_back({present.index - 1, step, 1.0, false, false, {}});
-  keeper_.skip();
+  if (lost_since_s_) {
+    keeper_.pass(present.frame.time_s, 0.0);  // the map's scale still counts where it is found again
+  } else {
+    keeper_.skip();
+  }
   append(std::move(result), online_poses_.empty() ? RigidTransform{} : online_poses_.back() * step);
   if (!was_scaled && pairwise_->scaled() && !scaled_) adopt_pairwise_scale();
   if (scaled_ && results_.back().state == FrameState::kMoving && start_map(present)) close_bridge();
@@ -80,6 +94,8 @@ bool KeyframeOdometry::start_map(const Recent& present) {
   metric.translation *= present_from_first.translation.norm();
 
   map_.clear();
+  lost_since_s_.reset();
+  lost_views_.clear();
   const int first_serial = map_.add(first->index, world_from_first.inverse(), first->tracked.points);
   const int serial = map_.add(present.index, metric * world_from_first.inverse(), present.tracked.points);
   map_.triangulate();
@@ -89,6 +105,7 @@ bool KeyframeOdometry::start_map(const Recent& present) {
     return false;
   }
   mapping_ = true;
+  located_ = present.index;
   mounting_ = pairwise_->mounting_estimate();
   keeper_.start(1.0, options_.scale.filter.start_sd);
   trail_.clear();
@@ -143,8 +160,81 @@ void KeyframeOdometry::lose_map(const Recent& present) {
     replayed_m += results_[static_cast<std::size_t>(recent_[k].index)].online_step_m;
   }
   bridge_unit_m_ = replayed_units > 0.0 ? replayed_m / replayed_units : 1.0;
-  map_.clear();
+  lost_since_s_ = present.frame.time_s;
   road_.clear();
+}
+
+/// The map as the last frames that it located saw it, for a frame that has lost it.
+void KeyframeOdometry::remember_views() {
+  lost_views_.clear();
+  constexpr std::array<int, 3> kFramesBack{0, 5, 15};
+  for (const int back : kFramesBack) {
+    const auto seen = std::find_if(recent_.rbegin(), recent_.rend(), [this, back](const Recent& recent) {
+      return recent.index <= located_ - back;
+    });
+    if (seen == recent_.rend()) break;
+    MapView view{seen->frame.image, {}};
+    for (const TrackPoint& track : seen->tracked.points) {
+      const Eigen::Vector3d* point = map_.point_of(track.id);
+      if (point != nullptr) view.landmarks.push_back({track.id, track.pixel, *point});
+    }
+    lost_views_.push_back(std::move(view));
+  }
+}
+
+/// Pose of a frame that has lost the map, by what the map looked like; its landmarks are followed again from here.
+std::optional<RigidTransform> KeyframeOdometry::find_again(Recent& present, FrameResult& result) {
+  const double time_s = present.frame.time_s;
+  if (mapping_) remember_views();
+  constexpr double kLongestS = 10.0;
+  if (lost_since_s_ && time_s - *lost_since_s_ > kLongestS) {
+    lost_since_s_.reset();
+    lost_views_.clear();
+  }
+  constexpr std::size_t kLeastTracks = 30;  // else there is nothing to see
+  if (lost_views_.empty() || present.frame.image.empty() || present.tracked.points.size() < kLeastTracks) {
+    return std::nullopt;
+  }
+  auto found = relocalise(lost_views_, present.frame.image, *camera_, predicted_pose(time_s),
+                          options_.keyframe.resection, rng_);
+  if (!found) return std::nullopt;
+  tracker_.revive(found->sights);
+  present.tracked = {tracker_.points(), tracker_.followed()};
+  result.reason.clear();
+  result.matches = static_cast<int>(found->sights.size());
+  result.inliers = result.matches;
+  result.rms_px = found->pose.rms_px;
+  result.tracks = static_cast<int>(present.tracked.points.size());
+  result.tracks_kept = present.tracked.followed;
+  return found->pose.cam_from_world;
+}
+
+/// The map carries frames again: those since it was lost lie evenly between the last one that it located and this one.
+void KeyframeOdometry::close_gap(const Recent& present, const RigidTransform& cam_from_world) {
+  const int gap = present.index - located_ - 1;
+  lost_since_s_.reset();
+  lost_views_.clear();
+  mapping_ = true;
+  while (trail_.size() > 1 && trail_.back().index > located_) trail_.pop_back();
+  if (gap > 0) {
+    const TrailFrame& from = trail_.back();
+    const Keyframe& keyframe = map_.keyframes().back();
+    const RigidTransform motion = cam_from_world * from.cam_from_world.inverse();
+    const double span_s = time_between(from.time_s, present.frame.time_s);
+    for (int k = located_ + 1; k < present.index; ++k) {
+      const auto index = static_cast<std::size_t>(k);
+      const double share = std::clamp((results_[index].time_s - from.time_s) / span_s, 0.0, 1.0);
+      const RigidTransform pose =
+          RigidTransform{exp_so3(share * log_so3(motion.rotation)), share * motion.translation} * from.cam_from_world;
+      const RigidTransform link = keyframe.cam_from_world * pose.inverse();
+      links_[index] = {keyframe.frame, link, keeper_.held(), true, false, {}};
+      results_[index].reference = keyframe.frame;
+      results_[index].reference_from_cam = link.rotation;
+      results_[index].direction_in_reference = link.translation.norm() > 0.0 ? link.translation.normalized()
+                                                                            : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    }
+  }
+  located_ = present.index;
 }
 
 }  // namespace groundscale

@@ -29,6 +29,10 @@ class Tracker {
   /// @param mask  Where points are wanted (not 0); empty: everywhere.
   void advance(const Pyramid& next, const Image& mask);
 
+  /// Puts points back under the ids that they had before they were lost, at pixels of the present frame; those whose id
+  /// is still followed are left as they are.
+  void revive(const std::vector<TrackPoint>& points);
+
   /// All tracks of the present frame, ids ascending.
   const std::vector<TrackPoint>& points() const { return points_; }
   /// How many of them were followed here from the frame before.
