@@ -4,8 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
-#include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -194,6 +192,11 @@ inline double motion_error_m(const DriveRun& run, const Feed& feed, std::size_t 
   const RigidTransform truth = feed[from].world_from_cam.inverse() * feed[to].world_from_cam;
   const RigidTransform found = run.finals[from].inverse() * run.finals[to];
   return (truth.translation - found.translation).norm();
+}
+
+inline std::size_t count_of(const DriveRun& run, FrameState state) {
+  return static_cast<std::size_t>(std::count_if(run.results.begin(), run.results.end(),
+                                                [state](const FrameResult& r) { return r.state == state; }));
 }
 
 inline std::size_t accepted_in(const DriveRun& run, std::size_t from, std::size_t to) {

@@ -102,13 +102,13 @@ std::vector<Feature> features_of(const Image& image) {
 struct SearchArea {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   double radius_px = 0.0;
+  double max_ratio = 1.0;  ///< Of its distance to that of the next in the area.
 };
 
 /// The feature that looks like a landmark, where none elsewhere in the area looks nearly like it.
 std::optional<std::pair<int, int>> nearest(const Descriptor& descriptor, const std::vector<Feature>& features,
                                            const SearchArea& area) {
   constexpr int kMaxBits = 64;
-  constexpr double kMaxRatio = 0.85;
   constexpr double kSamePlacePx = 6.0;
   int best = -1;
   int bits = kMaxBits + 1;
@@ -123,15 +123,14 @@ std::optional<std::pair<int, int>> nearest(const Descriptor& descriptor, const s
   if (best < 0) return std::nullopt;
   const Eigen::Vector2d& place = features[static_cast<std::size_t>(best)].pixel;
   for (std::size_t k = 0; k < features.size(); ++k) {
-    if (kMaxRatio * distances[k] < bits && (features[k].pixel - place).norm() > kSamePlacePx) return std::nullopt;
+    if (area.max_ratio * distances[k] < bits && (features[k].pixel - place).norm() > kSamePlacePx) return std::nullopt;
   }
   return std::pair{best, bits};
 }
 
 /// For each landmark the best match over all views, ids ascending.
 std::map<TrackId, Found> match_landmarks(const std::vector<MapView>& views, const std::vector<Feature>& features,
-                                         const Camera& camera, const RigidTransform& cam_from_world_guess) {
-  constexpr double kRadius = 0.12;  // of the image's width
+                                         const Camera& camera, const RigidTransform& cam_from_world, SearchArea area) {
   std::map<TrackId, Found> found;
   for (std::size_t v = 0; v < views.size(); ++v) {
     std::vector<Eigen::Vector2d> pixels;
@@ -139,9 +138,10 @@ std::map<TrackId, Found> match_landmarks(const std::vector<MapView>& views, cons
     const auto descriptors = describe(views[v].image, pixels);
     for (std::size_t k = 0; k < descriptors.size(); ++k) {
       if (!descriptors[k]) continue;
-      const auto expected = camera.project(cam_from_world_guess * views[v].landmarks[k].point_in_world);
+      const auto expected = camera.project(cam_from_world * views[v].landmarks[k].point_in_world);
       if (!expected) continue;
-      const auto match = nearest(*descriptors[k], features, {*expected, kRadius * camera.width()});
+      area.centre = *expected;
+      const auto match = nearest(*descriptors[k], features, area);
       if (!match) continue;
       const Found candidate{static_cast<int>(v), static_cast<int>(k), match->first, match->second};
       const auto [entry, made] = found.try_emplace(views[v].landmarks[k].id, candidate);
@@ -203,50 +203,69 @@ std::vector<std::optional<Eigen::Vector2d>> followed(const std::vector<MapView>&
   return result;
 }
 
+/// Landmarks and the features that are taken for them.
+struct Candidates {
+  std::vector<TrackId> ids;  ///< Ascending.
+  std::vector<Found> found;
+  std::vector<PointSight> sights;
+};
+
+Candidates candidates_of(const std::vector<MapView>& views, const std::vector<Feature>& features, const Camera& camera,
+                         const RigidTransform& cam_from_world, const SearchArea& area) {
+  Candidates candidates;
+  for (const auto& [id, match] : match_landmarks(views, features, camera, cam_from_world, area)) {
+    const auto& landmark =
+        views[static_cast<std::size_t>(match.view)].landmarks[static_cast<std::size_t>(match.landmark)];
+    const Feature& feature = features[static_cast<std::size_t>(match.feature)];
+    candidates.ids.push_back(id);
+    candidates.found.push_back(match);
+    // A corner of a reduced image is as many pixels less exact.
+    candidates.sights.push_back(
+        {landmark.point_in_world, feature.pixel, kReductions[static_cast<std::size_t>(feature.level)]});
+  }
+  return candidates;
+}
+
+Result<Resection> rough_pose(const Candidates& candidates, const Camera& camera, const ResectionOptions& options,
+                             Rng& rng) {
+  auto rough = resect(candidates.sights, camera, options, rng);
+  if (!rough) return rough;
+  constexpr double kMinShare = 0.35;  // less is chance
+  const std::size_t agreed = rough->inliers.size();
+  if (static_cast<double>(agreed) < kMinShare * static_cast<double>(candidates.sights.size())) {
+    return Error{ErrorCode::kTooFewMatches,
+                 fmt::format("only {} of {} landmarks agree with one pose", agreed, candidates.sights.size())};
+  }
+  return rough;
+}
+
 }  // namespace
 
 Result<Relocalised> relocalise(const std::vector<MapView>& views, const Image& image, const Camera& camera,
                                const RigidTransform& cam_from_world_guess, const ResectionOptions& options, Rng& rng) {
   const std::vector<Feature> features = features_of(image);
-  std::vector<Found> found;
-  std::vector<PointSight> sights;
-  std::vector<TrackId> ids;
-  for (const auto& [id, match] : match_landmarks(views, features, camera, cam_from_world_guess)) {
-    const auto& landmark =
-        views[static_cast<std::size_t>(match.view)].landmarks[static_cast<std::size_t>(match.landmark)];
-    const Feature& feature = features[static_cast<std::size_t>(match.feature)];
-    ids.push_back(id);
-    found.push_back(match);
-    // A corner of a reduced image is as many pixels less exact.
-    sights.push_back({landmark.point_in_world, feature.pixel, kReductions[static_cast<std::size_t>(feature.level)]});
-  }
-  auto rough = resect(sights, camera, options, rng);
+  constexpr double kFar = 0.12;  // of the image's width
+  constexpr double kNear = 0.02;
+  constexpr double kMaxRatio = 0.85;
+  SearchArea area{Eigen::Vector2d::Zero(), kFar * camera.width(), kMaxRatio};
+  const auto rough =
+      rough_pose(candidates_of(views, features, camera, cam_from_world_guess, area), camera, options, rng);
   if (!rough) return rough.error();
-  constexpr double kMinShare = 0.35;  // of the matches; less is chance
-  if (static_cast<double>(rough->inliers.size()) < kMinShare * static_cast<double>(sights.size())) {
-    return Error{ErrorCode::kTooFewMatches,
-                 fmt::format("only {} of {} landmarks agree with one pose", rough->inliers.size(), sights.size())};
-  }
 
-  std::vector<Found> agreed;
-  for (const int k : rough->inliers) agreed.push_back(found[static_cast<std::size_t>(k)]);
-  const auto ends = followed(views, image, agreed, features);
-  std::vector<PointSight> exact;
-  std::vector<TrackId> exact_ids;
+  // With the pose known there are more to be found, and all of them more exactly.
+  area.radius_px = kNear * camera.width();
+  area.max_ratio = 1.0;
+  const Candidates near = candidates_of(views, features, camera, rough->cam_from_world, area);
+  const auto ends = followed(views, image, near.found, features);
+  std::vector<PointSight> sights = near.sights;
   for (std::size_t k = 0; k < ends.size(); ++k) {
-    const auto index = static_cast<std::size_t>(rough->inliers[k]);
-    if (!ends[k]) continue;
-    exact.push_back({sights[index].point_in_world, *ends[k], 1.0});
-    exact_ids.push_back(ids[index]);
+    if (ends[k]) sights[k] = {sights[k].point_in_world, *ends[k], 1.0};
   }
-  Relocalised result;
-  auto refined = refine_pose(exact, camera, rough->cam_from_world, options);
-  const bool better = refined.has_value();
-  result.pose = better ? std::move(*refined) : std::move(*rough);
+  auto refined = refine_pose(sights, camera, rough->cam_from_world, options);
+  if (!refined) return refined.error();
+  Relocalised result{std::move(*refined), {}};
   for (const int k : result.pose.inliers) {
-    const auto index = static_cast<std::size_t>(k);
-    result.sights.push_back(better ? TrackPoint{exact_ids[index], exact[index].pixel}
-                                   : TrackPoint{ids[index], sights[index].pixel});
+    result.sights.push_back({near.ids[static_cast<std::size_t>(k)], sights[static_cast<std::size_t>(k)].pixel});
   }
   return result;
 }

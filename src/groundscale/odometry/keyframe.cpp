@@ -109,7 +109,8 @@ RigidTransform KeyframeOdometry::predicted_pose(double time_s) const {
 bool KeyframeOdometry::stands_still(const TrackedPoints& tracked) const {
   Matches matches = match_by_id(halt_points_, tracked.points);
   std::erase_if(matches, [this](const Match& match) { return map_.point_of(match.id) == nullptr; });
-  return has_stood_still(ray_pairs(matches, *camera_), camera_->focal_px(), options_.motion);
+  const double share = results_.back().state == FrameState::kStill ? kShareAtHalt : 0.75;
+  return has_stood_still(ray_pairs(matches, *camera_), camera_->focal_px(), options_.motion, share);
 }
 
 std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& tracked, double time_s,
@@ -147,9 +148,8 @@ std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& trac
     for (std::size_t i = 0; i < ids.size(); ++i) {
       const auto match = std::lower_bound(matches.begin(), matches.end(), ids[i],
                                           [](const Match& m, TrackId id) { return m.id < id; });
-      details_.matches.push_back(match != matches.end() && match->id == ids[i]
-                                     ? *match
-                                     : Match{ids[i], sights[i].pixel, sights[i].pixel});
+      details_.matches.push_back(
+          match != matches.end() && match->id == ids[i] ? *match : Match{ids[i], sights[i].pixel, sights[i].pixel});
     }
   }
   return found->cam_from_world;
@@ -158,7 +158,8 @@ std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& trac
 bool KeyframeOdometry::wants_keyframe(const TrackedPoints& tracked) const {
   const Keyframe& last = map_.keyframes().back();
   const Matches matches = match_by_id(last.points, tracked.points);
-  const double share = static_cast<double>(matches.size()) / std::max<double>(1.0, static_cast<double>(last.points.size()));
+  const double share =
+      static_cast<double>(matches.size()) / std::max<double>(1.0, static_cast<double>(last.points.size()));
   if (share < options_.keyframe.min_share) return true;
   return fit_rotation(ray_pairs(matches, *camera_), camera_->focal_px()).parallax_px >=
          options_.keyframe.min_parallax_px;
@@ -250,8 +251,7 @@ void KeyframeOdometry::refresh_poses() {
   const auto& keyframes = map_.keyframes();
   for (std::size_t k = 1; k < keyframes.size(); ++k) {
     Link& link = links_[static_cast<std::size_t>(keyframes[k].frame)];
-    const RigidTransform before_from_cam =
-        keyframes[k - 1].cam_from_world * keyframes[k].cam_from_world.inverse();
+    const RigidTransform before_from_cam = keyframes[k - 1].cam_from_world * keyframes[k].cam_from_world.inverse();
     if (link.is_keyframe) link.reference_from_cam = before_from_cam;
     keyframes_m_[keyframes[k].serial] =
         keyframes_m_.at(keyframes[k - 1].serial) * in_metres(before_from_cam, link.unit_m);
@@ -274,8 +274,7 @@ const FrameResult& KeyframeOdometry::coast(FrameResult result, const Recent& pre
   const double unit_m = keeper_.held();
   links_.push_back({last.frame, here.cam_from_keyframe.inverse(), unit_m, true, false, {}});
   keeper_.pass(time_s, 0.0);
-  return append(std::move(result),
-                keyframes_m_.at(last.serial) * in_metres(here.cam_from_keyframe.inverse(), unit_m));
+  return append(std::move(result), keyframes_m_.at(last.serial) * in_metres(here.cam_from_keyframe.inverse(), unit_m));
 }
 
 const FrameResult& KeyframeOdometry::append(FrameResult result, const RigidTransform& world_from_cam_m) {

@@ -57,7 +57,7 @@ class KeyframeOdometry final : public Odometry {
     int reference = -1;
     RigidTransform reference_from_cam;
     double unit_m = 1.0;
-    bool by_map = false;      ///< Else by the pairwise odometry, in metres.
+    bool by_map = false;  ///< Else by the pairwise odometry, in metres.
     bool is_keyframe = false;
     RigidTransform as_tracked;  ///< Of a keyframe: what the link was before its adjustment.
   };
@@ -81,7 +81,9 @@ class KeyframeOdometry final : public Odometry {
   const FrameResult& bridge(const Recent& present);
   void adopt_pairwise_scale();
   void close_bridge();
+  RigidTransform pairwise_pose(std::size_t k) const;
   bool start_map(const Recent& present);
+  void begin_trail();
   void lose_map(const Recent& present);
   std::optional<RigidTransform> find_again(Recent& present, FrameResult& result);
   void remember_views();
@@ -116,7 +118,7 @@ class KeyframeOdometry final : public Odometry {
   std::optional<RoadDetector> detector_;
   MountingEstimate mounting_;
   std::unique_ptr<PairwiseOdometry> pairwise_;
-  int bridge_first_ = 0;        ///< Result of the frame that the pairwise odometry took first.
+  std::vector<int> bridged_;    ///< Results of the frames that the pairwise odometry has taken.
   double bridge_unit_m_ = 1.0;  ///< Metres per unit of the pairwise odometry while it has no scale of its own.
 
   LocalMap map_;

@@ -105,8 +105,7 @@ const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& ro
   return advance(frame, road_mask, {tracker_.points(), tracker_.followed()});
 }
 
-const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& road_mask,
-                                             const TrackedPoints& tracked) {
+const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& road_mask, const TrackedPoints& tracked) {
   details_ = {};
   tracked_ = tracked;
   road_mask_ = road_mask;
@@ -126,7 +125,8 @@ const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& ro
     remember_view(frame, static_cast<int>(results_.size()) - 1);
     return results_.back();
   }
-  Pair pair = views_.pair_with(tracked_.points, *camera_);
+  const bool standing = results_.size() > 1 && results_.back().state == FrameState::kStill;
+  Pair pair = views_.pair_with(tracked_.points, *camera_, standing);
   result.matches = static_cast<int>(pair.matches.size());
   if (pair.motion.state != MotionState::kStill) {
     pair.motion = estimate_motion(pair.rays, camera_->focal_px(), options_.motion, rng_, last_motion_);

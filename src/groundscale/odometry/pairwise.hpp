@@ -45,7 +45,8 @@ class PairwiseOdometry final : public Odometry {
   ///         road network can't be used.
   static Result<PairwiseOdometry> create(const CameraSetup& setup, const OdometryOptions& options);
 
-  /// @param road_mask  It counts where the frame is the earlier one of a pair, in whose image the road region lies. With a
+  /// @param road_mask  It counts where the frame is the earlier one of a pair, in whose image the road region lies.
+  /// With a
   ///                   road network of its own both must see road.
   const FrameResult& advance(const Frame& frame, const Image& road_mask) override;
   using Odometry::advance;
