@@ -215,9 +215,12 @@ TEST_P(ExperimentRefuses, WithAMessageAndWritesNothing) {
   folder.file("own/words.txt", "precious");
   folder.file("other/experiment.txt", "groundscale experiment timing\n");
   folder.file("kitti/poses/00.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n");
+  folder.file("kitti/poses/07.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n1 0 0 0 0 1 0 0 0 0 1 2\n");
+  folder.file("tum/00.txt", "0 0 0 0 0 0 0 1\n1 0 0 1 0 0 0 1\n");
   Words arguments = {"experiment"};
   for (std::string word : GetParam().arguments) {
-    if (word.starts_with("FOLDER")) word = folder / word.substr(std::min<std::size_t>(word.size(), 7));
+    const std::size_t at = word.find("FOLDER");
+    if (at != std::string::npos) word.replace(at, std::string("FOLDER").size(), folder.path());
     arguments.push_back(word == "OUT" ? folder / "out" : word);
   }
   const ProgramRun refused = run_program(arguments);
@@ -238,7 +241,7 @@ INSTANTIATE_TEST_SUITE_P(
         {"unknown route", {"drives", "--output", "OUT", "--sequences", "circle"}, "'circle' is no route, known: city"},
         {"unknown sequence",
          {"drives", "--output", "OUT", "--kitti", "FOLDER/kitti", "--sequences", "42"},
-         "there are: 00"},
+         "there are: 00, 07"},
         {"default sequence missing",
          {"drives", "--output", "OUT", "--kitti", "FOLDER/kitti"},
          "'06' is no sequence of"},
@@ -255,6 +258,40 @@ INSTANTIATE_TEST_SUITE_P(
         {"output of another experiment",
          {"drives", "--output", "FOLDER/other"},
          "holds the experiment 'timing'; --force overwrites it"},
+        {"unknown mode",
+         {"vo-kitti", "--output", "OUT", "--modes", "none,loops"},
+         "--modes: 'loops' is no mode, known: none, triggered, filtered, continuous, pairwise"},
+        {"clips and kitti",
+         {"vo-kitti", "--output", "OUT", "--clips", "FOLDER/own", "--kitti", "FOLDER/kitti"},
+         "--clips and --kitti can't both be given"},
+        {"no clips", {"vo-kitti", "--output", "OUT", "--clips", "FOLDER/own"}, "holds no NN/image_0"},
+        {"compare without poses",
+         {"vo-kitti", "--output", "OUT", "--compare", "orb"},
+         "--compare 'orb': must be NAME=POSES or NAME@sim3=POSES"},
+        {"compare with another alignment",
+         {"vo-kitti", "--output", "OUT", "--compare", "orb@se3=x"},
+         "--compare 'orb@se3=x': the name may end in @sim3 and has no other '@'"},
+        {"compare under a mode's name",
+         {"vo-kitti", "--output", "OUT", "--compare", "filtered=x"},
+         "'filtered' has a meaning here, another name is needed"},
+        {"compare twice",
+         {"vo-kitti", "--output", "OUT", "--compare", "orb=x", "--compare", "orb=y"},
+         "--compare: 'orb' is there twice"},
+        {"compare one file with several drives",
+         {"vo-kitti", "--output", "OUT", "--kitti", "FOLDER/kitti", "--sequences", "all", "--compare", "orb=x.txt"},
+         "x.txt is one file, but there are 2 drives"},
+        {"compare with nothing",
+         {"vo-kitti", "--output", "OUT", "--kitti", "FOLDER/kitti", "--sequences", "00", "--compare", "orb=/{}"},
+         "holds nothing for any drive, 00.txt for example"},
+        {"compare too few rows",
+         {"vo-kitti", "--output", "OUT", "--sequences", "city", "--compare", "orb=FOLDER/kitti/poses/00.txt"},
+         "2 rows, but the drive has "},
+        {"compare TUM rows",
+         {"vo-kitti", "--output", "OUT", "--kitti", "FOLDER/kitti", "--sequences", "00", "--compare", "orb=FOLDER/tum"},
+         "has TUM rows; KITTI rows (12 numbers, row i is frame i) are needed"},
+        {"distortion of a fisheye",
+         {"vo-kitti", "--output", "OUT", "--preset", "campus", "--distortion", "0.01"},
+         "--distortion: the camera of preset 'campus' is no pinhole"},
     }),
     [](const auto& row) {
       std::string name = row.param.name;

@@ -8,6 +8,7 @@
 #include "groundscale/experiments/drives.hpp"
 #include "groundscale/experiments/experiment.hpp"
 #include "groundscale/experiments/realism.hpp"
+#include "groundscale/experiments/vo_kitti.hpp"
 
 namespace groundscale {
 namespace {
@@ -19,6 +20,15 @@ void add_common(CLI::App& command, ExperimentRequest& request) {
       ->required();
   command.add_flag("--force", request.force, "Write into a folder that holds something else; redo what is done");
   command.add_flag("--quiet", request.quiet, "No progress");
+}
+
+/// Which drives, of those that leave the choice.
+void add_choice(CLI::App& command, DriveOptions& drives, const std::string& which) {
+  command.add_option("--sequences", drives.sequences, "Which drives, NAME or NAME:FRAMES, or all (" + which + ")")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->option_text("NAME,NAME,...");
+  command.add_option("--frames", drives.frames, "At most so many frames of each drive")->check(CLI::Range(2, 1000000));
 }
 
 /// Options of those that render drives and run on them.
@@ -56,14 +66,7 @@ void add_drives(CLI::App& parent, int& exit_status) {
       ->add_option("--kitti", arguments->drives.kitti,
                    "Folder with KITTI odometry's poses/NN.txt and times; built-in routes without it")
       ->option_text("PATH");
-  command
-      ->add_option("--sequences", arguments->drives.sequences,
-                   "Which drives, NAME or NAME:FRAMES (default 06,07,10,00:1501, or all routes)")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->option_text("NAME,NAME,...");
-  command->add_option("--frames", arguments->drives.frames, "At most so many frames of each drive")
-      ->check(CLI::Range(2, 1000000));
+  add_choice(*command, arguments->drives, "default 06,07,10,00:1501, or all routes");
   command->add_option("--preset", arguments->drives.preset, "Camera and its place on the vehicle");
   add_drive_settings(*command, arguments->drives, arguments->settings);
   command->callback([arguments, &exit_status] {
@@ -107,8 +110,73 @@ void add_realism(CLI::App& parent, int& exit_status) {
   });
 }
 
+/// What experiments on several modes are told.
+struct ContestArguments {
+  ExperimentRequest request;
+  ContestOptions options;
+  RunSettings settings;
+  bool simulate = false;
+};
+
+void add_contest(CLI::App& command, ContestArguments& arguments) {
+  ContestOptions& options = arguments.options;
+  add_common(command, arguments.request);
+  command
+      .add_option("--modes", options.modes, "none, triggered, filtered, continuous, pairwise (none and the default)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->option_text("MODE,MODE,...");
+  command
+      .add_option("--compare", options.compare,
+                  "Another system's trajectories: a file, a folder with NN.txt, or a path with {} for NN; KITTI rows")
+      ->expected(1)
+      ->take_all()
+      ->option_text("NAME[@sim3]=POSES");
+  command.add_option("--seeds", options.seeds, "Run the default mode with so many seeds on the first drive")
+      ->check(CLI::Range(1, 1000));
+  add_drive_settings(command, options.drives, arguments.settings);
+}
+
+void add_vo_kitti(CLI::App& parent, int& exit_status) {
+  const auto arguments = std::make_shared<ContestArguments>();
+  ContestOptions& options = arguments->options;
+  CLI::App* command = parent.add_subcommand(kVoKittiName, kVoKittiSummary);
+  command
+      ->add_option(
+          "--kitti", options.drives.kitti,
+          "KITTI odometry: poses/NN.txt and times; sequences/NN with images are real drives, others simulated. "
+          "Built-in routes without it")
+      ->option_text("PATH");
+  command->add_option("--clips", options.drives.clips, "Real drives instead: NN/image_0 and NN/poses.txt")
+      ->option_text("PATH");
+  command->add_flag("--simulate", arguments->simulate, "Simulate those of --kitti that have images, too");
+  command->add_option("--distortion", options.distortion,
+                      "Render with this k1, and run as if the camera had no distortion");
+  add_choice(*command, options.drives, "default the real ones, else 03,06,07,10,00:1501, or all routes");
+  command->add_option("--preset", options.drives.preset, "Camera and its place on the vehicle");
+  add_contest(*command, *arguments);
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    arguments->options.drives.use_images = !arguments->simulate;
+    arguments->settings.seed = arguments->options.drives.seed;
+    exit_status = finish(run_vo_kitti(arguments->options, arguments->settings, arguments->request));
+  });
+}
+
+void add_campus(CLI::App& parent, int& exit_status) {
+  const auto arguments = std::make_shared<ContestArguments>();
+  CLI::App* command = parent.add_subcommand(kCampusName, kCampusSummary);
+  add_choice(*command, arguments->options.drives, "routes, default city:1800");
+  add_contest(*command, *arguments);
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    arguments->settings.seed = arguments->options.drives.seed;
+    exit_status = finish(run_campus(arguments->options, arguments->settings, arguments->request));
+  });
+}
+
 /// Every experiment: a function that adds its subcommand.
-constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives, add_realism};
+constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives, add_realism, add_vo_kitti, add_campus};
 
 std::string list_of(const CLI::App& command) {
   std::string text;

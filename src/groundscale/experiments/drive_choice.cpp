@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "groundscale/experiments/recorded_drive.hpp"
 #include "groundscale/io/text_internal.hpp"
 #include "groundscale/io/trajectory_file.hpp"
 #include "groundscale/simulation/drive_simulation.hpp"
@@ -43,28 +44,7 @@ Result<Wanted> parse_wanted(const std::string& text) {
   return wanted;
 }
 
-std::vector<std::string> default_names(bool kitti) {
-  if (kitti) return {"06", "07", "10", "00:1501"};
-  std::vector<std::string> names;
-  for (const std::string_view route : route_names()) names.emplace_back(route);
-  return names;
-}
-
-Result<std::vector<Wanted>> wanted_drives(const DriveOptions& options) {
-  std::vector<Wanted> all;
-  for (const std::string& text :
-       options.sequences.empty() ? default_names(!options.kitti.empty()) : options.sequences) {
-    auto wanted = parse_wanted(text);
-    if (!wanted) return wanted.error();
-    if (options.frames) wanted->frames = std::min(wanted->frames, *options.frames);
-    const auto same = [&](const Wanted& other) { return other.name == wanted->name; };
-    if (std::any_of(all.begin(), all.end(), same)) {
-      return bad_input(fmt::format("--sequences: '{}' is there twice", wanted->name));
-    }
-    all.push_back(std::move(*wanted));
-  }
-  return all;
-}
+std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
 /// Names of the sequences whose poses lie in a folder.
 std::vector<std::string> sequences_in(const fs::path& poses) {
@@ -77,16 +57,55 @@ std::vector<std::string> sequences_in(const fs::path& poses) {
   return names;
 }
 
+std::string recorded_folder(const DriveOptions& options) {
+  if (!options.clips.empty()) return options.clips;
+  return options.use_images && !options.kitti.empty() ? (fs::path(options.kitti) / "sequences").string() : "";
+}
+
+std::vector<std::string> all_names(const DriveOptions& options) {
+  if (!options.clips.empty()) return recorded_in(options.clips);
+  if (!options.kitti.empty()) return sequences_in(fs::path(options.kitti) / "poses");
+  std::vector<std::string> names;
+  for (const std::string_view route : route_names()) names.emplace_back(route);
+  return names;
+}
+
+std::vector<std::string> wanted_names(const DriveOptions& options) {
+  if (options.sequences == std::vector<std::string>{"all"}) return all_names(options);
+  if (!options.sequences.empty()) return options.sequences;
+  const std::string recorded = recorded_folder(options);
+  std::vector<std::string> present = recorded.empty() ? std::vector<std::string>() : recorded_in(recorded);
+  if (!present.empty()) return present;
+  return options.kitti.empty() ? all_names(options) : options.default_sequences;
+}
+
+Result<std::vector<Wanted>> wanted_drives(const DriveOptions& options) {
+  std::vector<Wanted> all;
+  for (const std::string& text : wanted_names(options)) {
+    auto wanted = parse_wanted(text);
+    if (!wanted) return wanted.error();
+    if (options.frames) wanted->frames = std::min(wanted->frames, *options.frames);
+    const auto same = [&](const Wanted& other) { return other.name == wanted->name; };
+    if (std::any_of(all.begin(), all.end(), same)) {
+      return bad_input(fmt::format("--sequences: '{}' is there twice", wanted->name));
+    }
+    all.push_back(std::move(*wanted));
+  }
+  if (!all.empty()) return all;
+  if (options.clips.empty()) {
+    return bad_input(fmt::format("--kitti {}: holds no poses/NN.txt (KITTI odometry's ground truth)", options.kitti));
+  }
+  return bad_input(fmt::format("--clips {}: holds no NN/image_0", options.clips));
+}
+
 Result<DriveChoice> along_poses(const Wanted& wanted, const fs::path& kitti) {
   const std::vector<std::string> known = sequences_in(kitti / "poses");
   if (known.empty()) {
     return bad_input(fmt::format("--kitti {}: holds no poses/NN.txt (KITTI odometry's ground truth)", kitti.string()));
   }
   if (std::find(known.begin(), known.end(), wanted.name) == known.end()) {
-    std::string list;
-    for (const std::string& name : known) list.append(list.empty() ? "" : ", ").append(name);
     return bad_input(
-        fmt::format("'{}' is no sequence of --kitti {}, there are: {}", wanted.name, kitti.string(), list));
+        fmt::format("'{}' is no sequence of --kitti {}, there are: {}", wanted.name, kitti.string(), joined(known)));
   }
   DriveChoice drive;
   drive.name = wanted.name;
@@ -103,6 +122,30 @@ Result<DriveChoice> along_poses(const Wanted& wanted, const fs::path& kitti) {
     if (drive.times.empty() && fs::is_regular_file(times, ignored)) drive.times = times.string();
   }
   return drive;
+}
+
+Result<DriveChoice> from_clip(const Wanted& wanted, const DriveOptions& options) {
+  const std::vector<std::string> known = recorded_in(options.clips);
+  if (std::find(known.begin(), known.end(), wanted.name) == known.end()) {
+    return bad_input(fmt::format("'{}' is no drive of --clips {}, there are: {}", wanted.name, options.clips,
+                                 known.empty() ? "none" : joined(known)));
+  }
+  const fs::path folder = fs::path(options.clips) / wanted.name;
+  auto choice = recorded_choice(wanted.name, folder.string(), (folder / "poses.txt").string());
+  if (choice) choice->frames = std::min(choice->frames, wanted.frames);
+  return choice;
+}
+
+/// Along the poses of `kitti`: the real drive where its images are there and wanted, else one to be rendered.
+Result<DriveChoice> of_kitti(const Wanted& wanted, const DriveOptions& options) {
+  auto choice = along_poses(wanted, options.kitti);
+  if (!choice || !options.use_images) return choice;
+  const std::vector<std::string> present = recorded_in(recorded_folder(options));
+  if (std::find(present.begin(), present.end(), wanted.name) == present.end()) return choice;
+  const std::string folder = (fs::path(recorded_folder(options)) / wanted.name).string();
+  auto real = recorded_choice(wanted.name, folder, choice->poses);
+  if (real) real->frames = choice->frames;
+  return real;
 }
 
 Result<DriveChoice> along_route(const Wanted& wanted, double rate_hz) {
@@ -124,8 +167,9 @@ Result<std::vector<DriveChoice>> choose_drives(const DriveOptions& options) {
   if (!all) return all.error();
   std::vector<DriveChoice> drives;
   for (const Wanted& wanted : *all) {
-    auto drive =
-        options.kitti.empty() ? along_route(wanted, camera->options.rate_hz) : along_poses(wanted, options.kitti);
+    auto drive = !options.clips.empty()   ? from_clip(wanted, options)
+                 : !options.kitti.empty() ? of_kitti(wanted, options)
+                                          : along_route(wanted, camera->options.rate_hz);
     if (!drive) return drive.error();
     drives.push_back(std::move(*drive));
   }
@@ -141,6 +185,7 @@ std::vector<std::string> simulate_arguments(const DriveChoice& drive, const Driv
   add("--trajectory", drive.poses);
   add("--times", drive.times);
   add("--preset", options.preset);
+  add("--camera", options.camera);
   add("--frames", fmt::to_string(drive.frames));
   if (options.seed) add("--seed", fmt::to_string(*options.seed));
   return arguments;

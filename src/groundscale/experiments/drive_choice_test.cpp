@@ -105,6 +105,54 @@ TEST_F(KittiRoot, PosesThatCanNotBeUsedAreFoundBeforeTheWork) {
   EXPECT_THAT(error(), HasSubstr("holds no poses/NN.txt"));
 }
 
+TEST_F(KittiRoot, AllAreAllWhosePosesAreThere) {
+  options.sequences = {"all"};
+  const auto drives = choose_drives(options);
+  ASSERT_TRUE(drives) << drives.error().message;
+  EXPECT_EQ(drives->size(), 5U);
+  EXPECT_EQ(drives->at(1).name, "01");
+}
+
+TEST_F(KittiRoot, SequencesWithImagesAreRealDrivesWhereTheyMayBe) {
+  folder.file("sequences/07/image_0/000004.png", "");
+  options.use_images = true;
+  const auto present = choose_drives(options);
+  ASSERT_TRUE(present) << present.error().message;
+  ASSERT_EQ(present->size(), 1U);
+  EXPECT_EQ(present->front().recorded, folder / "sequences/07");
+  EXPECT_EQ(present->front().poses, folder / "poses/07.txt");
+  options.sequences = {"06", "07:3"};
+  const auto both = choose_drives(options);
+  ASSERT_TRUE(both) << both.error().message;
+  EXPECT_EQ(both->at(0).recorded, "");
+  EXPECT_EQ(both->at(1).recorded, folder / "sequences/07");
+  EXPECT_EQ(both->at(1).frames, 3);
+  options.use_images = false;
+  EXPECT_EQ(choose_drives(options)->at(1).recorded, "");
+}
+
+TEST(Clips, AreTheRealDrivesOfAFolder) {
+  const TempFolder folder;
+  folder.file("00/poses.txt", poses(4));
+  folder.file("00/image_0/000003.png", "");
+  folder.file("full/poses/00.txt", poses(4));
+  DriveOptions options;
+  options.clips = folder.path();
+  const auto drives = choose_drives(options);
+  ASSERT_TRUE(drives) << drives.error().message;
+  ASSERT_EQ(drives->size(), 1U);
+  EXPECT_EQ(drives->front().name, "00");
+  EXPECT_EQ(drives->front().frames, 4);
+  options.sequences = {"07"};
+  EXPECT_EQ(choose_drives(options).error().message, "'07' is no drive of --clips " + folder.path() + ", there are: 00");
+  options.sequences = {"00"};
+  folder.file("00/poses.txt", poses(5));
+  EXPECT_THAT(choose_drives(options).error().message, HasSubstr("there is no 000004.png, the image of the last of 5"));
+  options.clips = folder / "full";
+  options.sequences = {};
+  EXPECT_THAT(choose_drives(options).error().message, HasSubstr("holds no NN/image_0"));
+}
+
 TEST(Routes, AreAllThereIsWithoutPoses) {
   DriveOptions options;
   options.frames = 20;

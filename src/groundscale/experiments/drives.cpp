@@ -6,6 +6,7 @@
 
 #include "groundscale/experiments/drives_report_internal.hpp"
 #include "groundscale/experiments/plot.hpp"
+#include "groundscale/experiments/report_parts.hpp"
 #include "groundscale/io/files.hpp"
 
 namespace groundscale {
@@ -24,27 +25,6 @@ Result<FinishedDrive> finish_drive(const DriveChoice& choice, const DriveOptions
   return FinishedDrive{choice.name, std::move(*drive), std::move(*run)};
 }
 
-/// Data and scripts in any case, pictures where gnuplot is there; what fails goes to the problems.
-bool write_plots(const std::string& output, const std::vector<Plot>& plots, std::vector<std::string>& problems) {
-  const std::string folder = (fs::path(output) / "figures").string();
-  const bool draw = gnuplot_is_there();
-  if (!draw) {
-    problems.push_back(
-        fmt::format("the figures are not drawn, because gnuplot can't be run: once it is installed "
-                    "(Debian: gnuplot-nox), the same command draws them"));
-  }
-  std::error_code error;
-  fs::create_directories(folder, error);
-  bool drawn = draw;
-  for (const Plot& plot : plots) {
-    const auto written = write_plot(folder, plot, draw);
-    if (written) continue;
-    problems.push_back(written.error().message);
-    drawn = false;
-  }
-  return drawn;
-}
-
 Result<ExperimentOutcome> report(const std::vector<FinishedDrive>& drives, std::vector<std::string> problems,
                                  const ExperimentRequest& request) {
   const fs::path output = request.output;
@@ -52,7 +32,7 @@ Result<ExperimentOutcome> report(const std::vector<FinishedDrive>& drives, std::
   if (const auto written = write_text((output / "drives.csv").string(), table.csv()); !written) return written.error();
   const auto plots = internal::drives_plots(drives);
   if (!plots) return plots.error();
-  const bool drawn = write_plots(request.output, *plots, problems);
+  const bool drawn = write_figures(request.output, *plots, problems);
   ExperimentOutcome outcome;
   outcome.report = (output / "drives.md").string();
   outcome.table = internal::drives_overview(table);

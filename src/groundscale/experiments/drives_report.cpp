@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -9,6 +8,8 @@
 #include "groundscale/evaluation/steps.hpp"
 #include "groundscale/experiments/drives.hpp"
 #include "groundscale/experiments/drives_report_internal.hpp"
+#include "groundscale/experiments/path_plots.hpp"
+#include "groundscale/experiments/report_parts.hpp"
 
 namespace groundscale::internal {
 namespace {
@@ -77,33 +78,11 @@ std::vector<std::string> scale_names(const std::string& prefix) {
   return names;
 }
 
-Plot trajectory_plot(const FinishedDrive& drive, const PairedDrive& paired) {
-  Plot plot{.name = "trajectory-" + drive.name,
-            .title = fmt::format("Drive {} from above", drive.name),
-            .x_label = "x, to the right of the first frame (m)",
-            .y_label = "z, ahead of it (m)",
-            .columns = {"truth_x_m", "truth_z_m", "final_x_m", "final_z_m"},
-            .rows = {},
-            .curves = {{.title = "truth", .x = 0, .y = 1}, {.title = "estimate, final", .x = 2, .y = 3}},
-            .equal_axes = true};
-  if (paired.online) {
-    plot.columns.insert(plot.columns.end(), {"online_x_m", "online_z_m"});
-    plot.curves.push_back({.title = "estimate, online", .x = 4, .y = 5});
-  }
-  const auto add = [](const Trajectory& trajectory, std::size_t k, std::vector<std::optional<double>>& row) {
-    // As seen from its own first pose, so that all begin alike.
-    const RigidTransform pose = trajectory.world_from_cam.front().inverse() * trajectory.world_from_cam[k];
-    row.emplace_back(pose.translation.x());
-    row.emplace_back(pose.translation.z());
-  };
-  for (std::size_t k = 0; k < paired.truth.world_from_cam.size(); ++k) {
-    std::vector<std::optional<double>> row;
-    add(paired.truth, k, row);
-    add(paired.estimate, k, row);
-    if (paired.online) add(*paired.online, k, row);
-    plot.rows.push_back(std::move(row));
-  }
-  return plot;
+Plot path_plot(const FinishedDrive& drive, const PairedDrive& paired) {
+  std::vector<PlottedPath> paths = {{{"truth", "truth"}, from_first_pose(paired.truth)},
+                                    {{"final", "estimate, final"}, from_first_pose(paired.estimate)}};
+  if (paired.online) paths.push_back({{"online", "estimate, online"}, from_first_pose(*paired.online)});
+  return trajectory_plot(drive.name, paths);
 }
 
 Plot scale_plot(const FinishedDrive& drive, const PairedDrive& paired, const std::vector<Step>& steps) {
@@ -157,25 +136,8 @@ Plot lengths_plot(const std::vector<FinishedDrive>& drives) {
 
 std::string processors(const std::vector<FinishedDrive>& drives) {
   std::vector<std::string> names;
-  for (const FinishedDrive& drive : drives) {
-    if (std::find(names.begin(), names.end(), drive.run.processor) == names.end()) names.push_back(drive.run.processor);
-  }
-  return fmt::format("{}", fmt::join(names, "; "));
-}
-
-std::string list_of(const std::vector<std::string>& items) {
-  std::string text;
-  for (const std::string& item : items) text += fmt::format("- {}\n", item);
-  return text.empty() ? text : text + "\n";
-}
-
-std::string figures_section(const std::vector<Plot>& plots, bool drawn) {
-  std::string text = "## Figures\n\nEach has its data (`.csv`) and script (`.gp`) beside it in `figures`.\n\n";
-  for (const Plot& plot : plots) {
-    text += drawn ? fmt::format("![{0}](figures/{1}.svg)\n\n", plot.title, plot.name)
-                  : fmt::format("- {}: not drawn, `figures/{}.gp`\n", plot.title, plot.name);
-  }
-  return drawn ? text : text + "\n";
+  for (const FinishedDrive& drive : drives) names.push_back(drive.run.processor);
+  return distinct(names);
 }
 
 std::string commands_section(const std::vector<FinishedDrive>& drives) {
@@ -185,7 +147,7 @@ std::string commands_section(const std::vector<FinishedDrive>& drives) {
                         fmt::join(drive.run.commands, "\n    "));
     std::vector<std::string> warnings;
     for (const std::string& warning : drive.run.warnings) warnings.push_back("warning: " + warning);
-    text += list_of(warnings);
+    text += bullet_list(warnings);
   }
   text.pop_back();
   return text;
@@ -220,7 +182,7 @@ Result<std::vector<Plot>> drives_plots(const std::vector<FinishedDrive>& drives)
     if (!paired) return Error{ErrorCode::kIo, paired.error().message};
     const auto steps = compare_steps(paired->estimate, paired->truth);
     if (!steps) return Error{ErrorCode::kIo, steps.error().message};
-    plots.push_back(trajectory_plot(drive, *paired));
+    plots.push_back(path_plot(drive, *paired));
     plots.push_back(scale_plot(drive, *paired, *steps));
   }
   // Nothing to show where all drives are shorter than the shortest segment.
@@ -237,7 +199,7 @@ std::string drives_report(const std::vector<FinishedDrive>& drives, const std::v
       "    {}\n\n{}. All figures with full precision are in `drives.csv`, under the names that "
       "docs/evaluation.md of groundscale defines.\nThe drives are simulated; scale is never aligned.\n\n",
       request.command, program_version());
-  if (!problems.empty()) text += "**Not complete:**\n\n" + list_of(problems);
+  if (!problems.empty()) text += "**Not complete:**\n\n" + bullet_list(problems);
   text += "## Overview\n\n" + drives_overview(table);
   text +=
       "\nRaw: single measurements of the road that were accepted, against the true step. The others are of the final "

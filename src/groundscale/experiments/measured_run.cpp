@@ -1,6 +1,8 @@
 #include "groundscale/experiments/measured_run.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -27,6 +29,34 @@ std::vector<std::string> run_arguments(const RunSettings& settings) {
   }
   if (settings.seed) arguments.insert(arguments.end(), {"--seed", fmt::to_string(*settings.seed)});
   return arguments;
+}
+
+/// What depends on where the drive lies. Its config.yaml, which says where the road is in view, comes from what its key
+/// tells.
+std::vector<std::string> place_arguments(const RenderedDrive& drive, const RunSettings& settings) {
+  std::vector<std::string> arguments;
+  const auto add = [&arguments](const char* option, const std::string& value) {
+    arguments.insert(arguments.end(), {option, value});
+  };
+  const std::string config = drive.folder + "/config.yaml";
+  std::error_code ignored;
+  if (!drive.real && std::filesystem::is_regular_file(config, ignored)) add("--config", config);
+  if (!settings.camera.empty()) add("--camera", settings.camera);
+  if (drive.frames > 0) add("--frames", fmt::to_string(drive.frames));
+  return arguments;
+}
+
+/// Version and bytes of the program, settings, camera, drive.
+Result<std::string> key_of(const RenderedDrive& drive, const RunSettings& settings, const std::string& program) {
+  const auto digest = file_digest(program);
+  if (!digest) return digest.error();
+  std::string deciding = shell_line(run_arguments(settings));
+  if (!settings.camera.empty()) {
+    const auto camera = file_digest(settings.camera);
+    if (!camera) return camera.error();
+    deciding += " camera " + *camera;
+  }
+  return fmt::format("{}, program {}\n{}\n{}", program_version(), *digest, deciding, drive.key);
 }
 
 std::vector<std::string> evaluate_arguments(const RenderedDrive& drive, const std::string& folder) {
@@ -61,6 +91,10 @@ void take_fields(const Json& evaluation, const Json& summary, const Json& proces
     run.figures["matching_" + name] = value.get<double>();
   run.refused_share = 1.0 - summary.at("accepted_measurements").get<double>() /
                                 std::max(1.0, summary.at("states").at("moving").get<double>());
+  run.lost = summary.at("states").value("lost", 0);
+  if (const auto events = summary.find("scale_corrections"); events != summary.end()) {
+    run.corrections = static_cast<int>(events->size());
+  }
   run.moving_steps = evaluation.at("moving").at("steps").get<int>();
   run.turn_steps = evaluation.at("turns").at("steps").get<int>();
   run.frames = summary.at("frames").get<int>();
@@ -87,12 +121,13 @@ Result<void> read_results(MeasuredRun& run) {
   return {};
 }
 
-Result<double> length_of(const std::string& truth) {
+Result<double> length_of(const std::string& truth, int frames) {
   const auto trajectory = read_trajectory(truth);
   if (!trajectory) return Error{ErrorCode::kIo, trajectory.error().message};
   double length_m = 0.0;
   const auto& poses = trajectory->world_from_cam;
-  for (std::size_t k = 1; k < poses.size(); ++k) length_m += (poses[k].translation - poses[k - 1].translation).norm();
+  const std::size_t rows = std::min(poses.size(), static_cast<std::size_t>(frames));
+  for (std::size_t k = 1; k < rows; ++k) length_m += (poses[k].translation - poses[k - 1].translation).norm();
   return length_m;
 }
 
@@ -115,18 +150,17 @@ std::optional<double> MeasuredRun::figure(const std::string& name) const {
 Result<MeasuredRun> measure_run(const RenderedDrive& drive, const RunSettings& settings, const std::string& folder,
                                 const ExperimentRequest& request) {
   std::vector<std::string> arguments = run_arguments(settings);
-  const std::string deciding = shell_line(arguments);
   arguments.insert(arguments.begin() + 1, {drive.folder, "--output", folder});
+  for (std::string& argument : place_arguments(drive, settings)) arguments.push_back(std::move(argument));
   const std::vector<std::string> evaluation = evaluate_arguments(drive, folder);
   MeasuredRun run;
   run.folder = folder;
   run.commands = {step_command(arguments), step_command(evaluation)};
 
-  const auto program = file_digest(request.program);
-  if (!program) return program.error();
-  const std::string key = fmt::format("{}, program {}\n{}\n{}", program_version(), *program, deciding, drive.key);
+  const auto key = key_of(drive, settings, request.program);
+  if (!key) return key.error();
   if (request.quiet) arguments.emplace_back("--quiet");
-  const auto done = WorkUnit(folder, key).complete(request.force, [&]() -> Result<void> {
+  const auto done = WorkUnit(folder, *key).complete(request.force, [&]() -> Result<void> {
     request.say(fmt::format("{}: running", drive.name));
     const auto process = run_step(request, arguments);
     if (!process) return process.error();
@@ -136,7 +170,7 @@ Result<MeasuredRun> measure_run(const RenderedDrive& drive, const RunSettings& s
   });
   if (!done) return done.error();
   if (const auto read = read_results(run); !read) return read.error();
-  const auto length_m = length_of(drive.truth());
+  const auto length_m = length_of(drive.truth(), run.frames);
   if (!length_m) return length_m.error();
   run.length_m = *length_m;
   return run;

@@ -15,6 +15,7 @@ namespace groundscale {
 struct RunSettings {
   std::vector<std::string> assignments;  ///< KEY=VALUE of the configuration: --set.
   std::optional<int> seed;
+  std::string camera{};  ///< Camera file instead of the drive's own; "": none.
 
   /// @return kBadInput: unknown key, value out of range.
   Result<void> validate() const;
@@ -28,9 +29,11 @@ struct MeasuredRun {
   std::map<std::string, std::optional<double>> figures;
   double refused_share = 0.0;  ///< Of moving frames.
   int frames = 0;
+  int lost = 0;                    ///< Frames of state `lost`.
+  std::optional<int> corrections;  ///< How often the scale was corrected; empty where the run doesn't say.
   int moving_steps = 0;
   int turn_steps = 0;
-  double length_m = 0.0;   ///< Of the truth.
+  double length_m = 0.0;   ///< Of the truth, over the frames run.
   double median_ms = 0.0;  ///< A frame, reading included.
   double p95_ms = 0.0;
   double peak_memory_mb = 0.0;  ///< Of the whole process.
@@ -41,8 +44,9 @@ struct MeasuredRun {
   std::optional<double> figure(const std::string& name) const;
 };
 
-/// Runs the odometry on a drive into `folder`, compares it with the drive's truth, and keeps what it took. Done once
-/// while the drive, the settings and the program (version and bytes) stay the same.
+/// Runs the odometry on a drive into `folder`, with the drive's config.yaml where it has one, compares it with the
+/// drive's truth, and keeps what it took. Done once while the drive, the settings and the program (version and bytes)
+/// stay the same.
 /// @return as run_step; kIo where a kept result can't be read.
 Result<MeasuredRun> measure_run(const RenderedDrive& drive, const RunSettings& settings, const std::string& folder,
                                 const ExperimentRequest& request);

@@ -32,7 +32,7 @@ echo "$1" >> '{}'
 case $1 in
 run)
   mkdir -p "$4"
-  echo '{{"frames": 3, "accepted_measurements": 3, "states": {{"moving": 4}}, "matching": {{"rms_px": 0.13}}, "time": {{"median_ms_a_frame": 5.5, "p95_ms_a_frame": 6.5}}, "warnings": ["dark"]}}' > "$4/summary.json";;
+  echo '{{"frames": 3, "accepted_measurements": 3, "states": {{"moving": 4, "lost": 1}}, "scale_corrections": [{{"frame": 2}}], "matching": {{"rms_px": 0.13}}, "time": {{"median_ms_a_frame": 5.5, "p95_ms_a_frame": 6.5}}, "warnings": ["dark"]}}' > "$4/summary.json";;
 evaluate)
   echo '{{"moving": {{"steps": 2}}, "turns": {{"steps": 1}},
          "figures": {{"scale_bias": {{"value": -0.5}}, "t_rel": {{"value": null}}}}}}' > "$6";;
@@ -59,6 +59,8 @@ TEST_F(FakeProgram, ResultsOfAllStepsComeTogether) {
   const auto run = measure({.assignments = {"a.b=1"}, .seed = 7});
   ASSERT_TRUE(run) << run.error().message;
   EXPECT_EQ(run->frames, 3);
+  EXPECT_EQ(run->lost, 1);
+  EXPECT_EQ(run->corrections, 1);
   EXPECT_EQ(run->moving_steps, 2);
   EXPECT_EQ(run->turn_steps, 1);
   EXPECT_EQ(run->median_ms, 5.5);
@@ -84,6 +86,21 @@ TEST_F(FakeProgram, IsRunAgainOnlyWhereDriveSettingsOrProgramAreOthers) {
   write_program("# another build of the same version");
   ASSERT_TRUE(measure());
   EXPECT_EQ(calls().size(), 5 * std::string("run\nevaluate\n").size());
+}
+
+TEST_F(FakeProgram, TakesTheDrivesConfigurationAnotherCameraAndTheFramesWanted) {
+  folder.file("drive/config.yaml", "");
+  const RunSettings settings{.assignments = {}, .seed = {}, .camera = folder.file("camera.yaml", "fx: 1")};
+  RenderedDrive drive{.name = "one", .folder = folder / "drive", .key = "key", .command = "simulate"};
+  drive.frames = 2;
+  const auto run = measure_run(drive, settings, folder / "run", request);
+  ASSERT_TRUE(run) << run.error().message;
+  EXPECT_THAT(run->commands[0], HasSubstr(fmt::format("--config {0}/drive/config.yaml --camera {0}/camera.yaml "
+                                                      "--frames 2",
+                                                      folder.path())));
+  folder.file("camera.yaml", "fx: 2");
+  ASSERT_TRUE(measure_run(drive, settings, folder / "run", request));
+  EXPECT_EQ(calls(), "run\nevaluate\nrun\nevaluate\n") << "another camera is another run";
 }
 
 TEST_F(FakeProgram, AResultThatIsSpoiltIsSaidToBe) {

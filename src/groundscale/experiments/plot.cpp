@@ -89,7 +89,8 @@ std::string draw_command(const Plot& plot) {
     const Curve& curve = plot.curves[k];
     if (!has_points(plot, curve)) continue;  // keeps its colour elsewhere
     text += fmt::format("{}{} skip 1 using {}:{} {} title {}", text == "plot " ? "" : ", \\\n     ",
-                        quoted(plot.name + ".csv"), curve.x + 1, curve.y + 1, style_of(curve.style, k),
+                        quoted(plot.name + ".csv"), curve.x + 1, curve.y + 1,
+                        style_of(curve.style, static_cast<std::size_t>(curve.colour.value_or(static_cast<int>(k)))),
                         quoted(curve.title));
   }
   return text + "\n";
@@ -111,7 +112,10 @@ std::string plot_script(const Plot& plot) {
   text += "set datafile separator ','\nset encoding utf8\n";
   text += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", quoted(plot.title), quoted(plot.x_label),
                       quoted(plot.y_label));
-  text += "set grid linetype 1 linecolor rgb '#dddddd'\nset key outside bottom center horizontal\nset bmargin 5\n";
+  // The key has three titles a line below the axis and its label.
+  text += fmt::format(
+      "set grid linetype 1 linecolor rgb '#dddddd'\nset key outside bottom center horizontal\nset bmargin {}\n",
+      5 + (std::max<std::size_t>(plot.curves.size(), 1) - 1) / 3);
   if (plot.equal_axes) text += equal_ranges(plot);
   for (const std::string& setting : plot.settings) text += setting + "\n";
   text += fmt::format(

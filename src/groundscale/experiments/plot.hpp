@@ -16,6 +16,7 @@ struct Curve {
   int x = 0;
   int y = 1;
   CurveStyle style = CurveStyle::kLines;
+  std::optional<int> colour{};  ///< Its number in the palette; as many as curves lie below, where none is said.
 };
 
 /// A figure with its data.

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "groundscale/experiments/image_statistics.hpp"
+#include "groundscale/experiments/recorded_drive.hpp"
 #include "groundscale/experiments/table.hpp"
-#include "groundscale/experiments/work_unit.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/trajectory_file.hpp"
 
@@ -88,13 +88,11 @@ const std::vector<Figure>& figures() {
 
 Result<RenderedDrive> real_drive(const RealismOptions& options, const DriveChoice& choice) {
   const fs::path folder = fs::path(options.clips) / choice.name;
-  RenderedDrive drive{choice.name + " (real)", folder.string(), "", ""};
-  const auto truth = file_digest(drive.truth());
-  if (!truth) return truth.error();
-  const auto image = file_digest((folder / "image_0" / fmt::format("{:06d}.png", choice.frames - 1)).string());
-  if (!image) return image.error();
-  drive.key = fmt::format("{} frames, truth {}, last image {}\n", choice.frames, *truth, *image);
-  return drive;
+  DriveChoice real = choice;
+  real.name += " (real)";
+  real.recorded = folder.string();
+  real.poses = (folder / "poses.txt").string();
+  return recorded_drive(real);
 }
 
 Result<Side> finish_side(RenderedDrive drive, int frames, const RunSettings& settings, const std::string& folder,

@@ -2,15 +2,16 @@
 
 #include <fmt/format.h>
 
+#include "groundscale/experiments/recorded_drive.hpp"
 #include "groundscale/experiments/work_unit.hpp"
 #include "groundscale/simulation/world.hpp"
 
 namespace groundscale {
 namespace {
 
-/// Pose and time files by what is in them, not by where they lie.
-Result<std::string> key_of(DriveChoice drive, const DriveOptions& options) {
-  for (std::string* file : {&drive.poses, &drive.times}) {
+/// Pose, time and camera files by what is in them, not by where they lie.
+Result<std::string> key_of(DriveChoice drive, DriveOptions options) {
+  for (std::string* file : {&drive.poses, &drive.times, &options.camera}) {
     if (file->empty()) continue;
     const auto digest = file_digest(*file);
     if (!digest) return digest.error();
@@ -24,11 +25,13 @@ Result<std::string> key_of(DriveChoice drive, const DriveOptions& options) {
 
 Result<RenderedDrive> obtain_drive(const DriveChoice& drive, const DriveOptions& options, const std::string& folder,
                                    const ExperimentRequest& request) {
+  if (!drive.recorded.empty()) return recorded_drive(drive);
   const auto key = key_of(drive, options);
   if (!key) return key.error();
   std::vector<std::string> arguments = simulate_arguments(drive, options);
   arguments.insert(arguments.begin() + 1, {"--output", folder});
-  const RenderedDrive rendered_drive{drive.name, folder, *key, step_command(arguments)};
+  const RenderedDrive rendered_drive{
+      .name = drive.name, .folder = folder, .key = *key, .command = step_command(arguments)};
 
   if (options.threads > 0) arguments.insert(arguments.end(), {"--threads", fmt::to_string(options.threads)});
   if (request.quiet) arguments.emplace_back("--quiet");

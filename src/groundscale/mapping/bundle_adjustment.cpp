@@ -63,6 +63,7 @@ class BundleState final : public ceres::EvaluationCallback {
   std::vector<Observed>& observed() { return observed_; }
   std::vector<PointState>& points() { return points_; }
   std::vector<ViewState>& views() { return views_; }
+  const std::vector<ViewState>& views() const { return views_; }
   double* parameters_of_point(std::size_t k) { return &point_parameters_[kPointSize * k]; }
   bool valid() const { return valid_; }
   int shortened_steps() const { return shortened_steps_; }
@@ -235,6 +236,54 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPointSize, Si
   const Observed& observed_;
 };
 
+/// log(|c1 - c2| / distance) in units of its sd. Parameters: the poses of those of the two views that are free.
+class DistanceCost final : public ceres::CostFunction {
+ public:
+  DistanceCost(const BundleState& state, const BundleDistance& distance, double pixel_sd)
+      : state_(state), distance_(distance), weight_(pixel_sd / distance.log_sd) {
+    set_num_residuals(1);
+    for (const ViewState* view : {&view1(), &view2()}) {
+      if (view->parameters != nullptr) mutable_parameter_block_sizes()->push_back(kPoseSize);
+    }
+  }
+
+  bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
+    const Eigen::Vector3d apart = centre_of(view1()) - centre_of(view2());
+    const double squared = apart.squaredNorm();
+    if (!(squared > 0.0)) return false;
+    residuals[0] = weight_ * (0.5 * std::log(squared) - std::log(distance_.distance));
+    if (jacobians == nullptr) return true;
+    int block = 0;
+    double sign = 1.0;
+    for (const ViewState* view : {&view1(), &view2()}) {
+      const Eigen::RowVector3d by_centre = sign * weight_ / squared * apart.transpose();
+      sign = -sign;
+      if (view->parameters == nullptr) continue;
+      if (jacobians[block] != nullptr) {
+        // c = -R^T u: dc/du = -R^T, dc/dw = -R^T [u] J(w).
+        const Eigen::Matrix3d& rotation = view->cam_from_world.rotation;
+        Eigen::Map<Eigen::Matrix<double, 1, kPoseSize>> by_pose(jacobians[block]);
+        by_pose.leftCols<3>() =
+            -by_centre * rotation.transpose() * skew(view->cam_from_world.translation) * view->rotation_by_w;
+        by_pose.rightCols<3>() = -by_centre * rotation.transpose();
+      }
+      ++block;
+    }
+    return true;
+  }
+
+ private:
+  static Eigen::Vector3d centre_of(const ViewState& view) {
+    return -(view.cam_from_world.rotation.transpose() * view.cam_from_world.translation);
+  }
+  const ViewState& view1() const { return state_.views()[static_cast<std::size_t>(distance_.view1)]; }
+  const ViewState& view2() const { return state_.views()[static_cast<std::size_t>(distance_.view2)]; }
+
+  const BundleState& state_;
+  BundleDistance distance_;
+  double weight_;
+};
+
 using FreeViewCost = ReprojectionCost<kPoseSize>;
 using FixedViewCost = ReprojectionCost<>;
 
@@ -242,12 +291,32 @@ using FixedViewCost = ReprojectionCost<>;
 struct BundleProblem {
   std::deque<FreeViewCost> free_costs;  // grow without moving, for the problem points into them
   std::deque<FixedViewCost> fixed_costs;
+  std::deque<DistanceCost> distance_costs;
   std::unique_ptr<ceres::LossFunction> loss;
   std::unique_ptr<ceres::Problem> problem;
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering;
 };
 
-BundleProblem problem_of(BundleState& state, const BundleOptions& options) {
+/// A distance counts where both views are held by observations or fixed, and one of them is free.
+void add_distances(BundleState& state, const std::vector<BundleDistance>& distances, double pixel_sd,
+                   const std::vector<bool>& seen, BundleProblem& problem) {
+  for (const BundleDistance& distance : distances) {
+    std::vector<double*> free;
+    bool held = true;
+    for (const int index : {distance.view1, distance.view2}) {
+      const auto view = static_cast<std::size_t>(index);
+      double* pose = state.views()[view].parameters;
+      if (pose == nullptr) continue;
+      free.push_back(pose);
+      held = held && seen[view];
+    }
+    if (!held || free.empty()) continue;
+    problem.distance_costs.emplace_back(state, distance, pixel_sd);
+    problem.problem->AddResidualBlock(&problem.distance_costs.back(), nullptr, free);
+  }
+}
+
+BundleProblem problem_of(BundleState& state, const Bundle& bundle, const BundleOptions& options) {
   BundleProblem result;
   if (options.loss == BundleLoss::kHuber) {
     result.loss = std::make_unique<ceres::HuberLoss>(options.loss_px);
@@ -284,6 +353,7 @@ BundleProblem problem_of(BundleState& state, const BundleOptions& options) {
   for (std::size_t v = 0; v < seen.size(); ++v) {
     if (seen[v]) result.ordering->AddElementToGroup(state.views()[v].parameters, 1);
   }
+  add_distances(state, bundle.distances, options.pixel_sd, seen, result);
   return result;
 }
 
@@ -344,6 +414,11 @@ void check_indices(const Bundle& bundle) {
     GS_CHECK(o.view >= 0 && o.view < views, "an observation of a view that isn't there");
     GS_CHECK(o.point >= 0 && o.point < points, "an observation of a point that isn't there");
   }
+  for (const BundleDistance& d : bundle.distances) {
+    GS_CHECK(d.view1 >= 0 && d.view1 < views && d.view2 >= 0 && d.view2 < views && d.view1 != d.view2,
+             "a distance between two of the views");
+    GS_CHECK(d.distance > 0.0 && d.log_sd > 0.0, "a distance and its sd are above 0");
+  }
 }
 
 }  // namespace
@@ -359,6 +434,12 @@ void visit_fields(BundleOptions& options, FieldVisitor& visitor) {
   visitor.field({.key = "loss", .unit = "", .help = "robust loss of the reprojection error"}, options.loss);
   visitor.field({.key = "loss_px", .unit = "px", .help = "bound of that loss", .min = 0.01, .max = 100},
                 options.loss_px);
+  visitor.field({.key = "pixel_sd",
+                 .unit = "px",
+                 .help = "of observations, against which the ground's distances are weighed",
+                 .min = 0.001,
+                 .max = 100},
+                options.pixel_sd);
   visitor.field({.key = "min_relative_decrease",
                  .unit = "",
                  .help = "the iteration ends where a step lowers the cost by less than this share",
@@ -379,7 +460,7 @@ Result<BundleSummary> adjust_bundle(Bundle& bundle, const BundleOptions& options
   summary.observations = static_cast<int>(state.observed().size());
   summary.initial_rms_px = state.rms_px();
 
-  const BundleProblem problem = problem_of(state, options);
+  const BundleProblem problem = problem_of(state, bundle, options);
   const ceres::Solver::Summary solved = solve(problem, options);
   if (!solved.IsSolutionUsable()) return Error{ErrorCode::kNotConverged, solved.message};
 

@@ -23,12 +23,21 @@ struct BundleObservation {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
 
+/// That two views lie so far apart, from elsewhere: what the ground says of a step.
+struct BundleDistance {
+  int view1 = 0;
+  int view2 = 0;
+  double distance = 1.0;
+  double log_sd = 0.01;  ///< Of the log of the distance.
+};
+
 /// What is adjusted: the poses of the views that aren't fixed, and the points.
 struct Bundle {
   CameraPtr camera;
   std::vector<BundleView> views;
   std::vector<Eigen::Vector3d> points_in_world;
   std::vector<BundleObservation> observations;
+  std::vector<BundleDistance> distances = {};
 };
 
 enum class BundleLoss { kHuber, kCauchy };
@@ -38,8 +47,9 @@ std::vector<std::string_view> names_of<BundleLoss>();
 
 struct BundleOptions {
   int max_iterations = 5;
-  BundleLoss loss = BundleLoss::kCauchy;
-  double loss_px = 0.5;                 ///< Bound of the loss.
+  BundleLoss loss = BundleLoss::kHuber;
+  double loss_px = 1.0;                 ///< Bound of the loss.
+  double pixel_sd = 0.3;                ///< Of observations: what a distance is weighed against.
   double min_relative_decrease = 1e-4;  ///< Of the cost; the iteration ends below it.
 };
 
@@ -53,8 +63,9 @@ struct BundleSummary {
   double final_rms_px = 0.0;
 };
 
-/// Poses and points that minimise sum rho(|pixel - project(R_view X_point + t_view)|), by Levenberg-Marquardt, the
-/// points eliminated first (Triggs et al. 1999). Fixed views don't move. One fixed view leaves the scale free: it stays
+/// Poses and points that minimise
+///   sum rho(|pixel - project(R_view X_point + t_view)|) + sum (pixel_sd log(|c_1 - c_2| / distance) / log_sd)^2 / 2,
+/// c the centres of the views, by Levenberg-Marquardt, the points eliminated first (Triggs et al. 1999). Fixed views don't move. One fixed view leaves the scale free: it stays
 /// near that of the start, for nothing but the damping holds it; two or more with a baseline fix it.
 ///
 /// Left out are observations whose point doesn't project at the start, and those of a point with fewer than two.

@@ -82,7 +82,7 @@ int LocalMap::point_count() const {
 
 int LocalMap::add(int frame, const RigidTransform& cam_from_world, const std::vector<TrackPoint>& points) {
   const int serial = next_serial_++;
-  keyframes_.push_back({serial, frame, cam_from_world, points});
+  keyframes_.push_back({.serial = serial, .frame = frame, .cam_from_world = cam_from_world, .points = points});
   for (const TrackPoint& point : points) {
     const auto ray = camera_->ray(point.pixel);
     if (ray) landmarks_[point.id].sights.push_back({serial, point.pixel, *ray});
@@ -155,6 +155,11 @@ void LocalMap::adjust() {
   for (std::size_t k = begin; k < keyframes_.size(); ++k) {
     bundle.views.push_back({keyframes_[k].cam_from_world, k < free});
   }
+  for (std::size_t k = std::max(free, begin + 1); k < keyframes_.size(); ++k) {
+    const Keyframe& keyframe = keyframes_[k];
+    const int view = static_cast<int>(k - begin);
+    if (keyframe.distance) bundle.distances.push_back({view - 1, view, *keyframe.distance, keyframe.distance_log_sd});
+  }
   const int first_serial = keyframes_[begin].serial;
   const int free_serial = keyframes_[free].serial;
   // Landmarks that are seen by what is free; those with most sights where there are too many.
@@ -182,7 +187,7 @@ void LocalMap::adjust() {
   // One fixed keyframe leaves the scale open: it stays that of the way up to the last keyframe but one.
   double scale = 1.0;
   const Eigen::Vector3d origin = centre_of(keyframes_[begin]);
-  if (free == begin + 1) {
+  if (free == begin + 1 && bundle.distances.empty()) {
     const std::size_t reference = before_last > begin ? before_last : before_last + 1;
     const double old_length =
         before_last > begin ? length : (centre_of(keyframes_[reference]) - origin).norm();
@@ -229,6 +234,12 @@ void LocalMap::judge(const std::vector<TrackId>& ids, const std::vector<bool>& a
     landmark.point_in_world.reset();
     landmark.rejected = true;
   }
+}
+
+void LocalMap::set_distance(double distance, double log_sd) {
+  GS_CHECK(!keyframes_.empty() && distance > 0.0 && log_sd > 0.0, "a distance of the latest keyframe");
+  keyframes_.back().distance = distance;
+  keyframes_.back().distance_log_sd = log_sd;
 }
 
 void LocalMap::scale(double lambda) {

@@ -22,7 +22,7 @@ struct LocalMapOptions {
   double min_parallax_px = 3.0;   ///< Between the rays of a new landmark.
   double max_error_px = 1.5;      ///< A sight that is farther off after the adjustment is left out.
   int strikes = 3;                ///< Frames in a row in which a landmark may disagree with the map before it is dropped.
-  BundleOptions bundle;
+  BundleOptions bundle{.loss = BundleLoss::kCauchy, .loss_px = 0.5};
 };
 
 void visit_fields(LocalMapOptions& options, FieldVisitor& visitor);
@@ -32,6 +32,9 @@ struct Keyframe {
   int frame = 0;   ///< Index of the frame's result.
   RigidTransform cam_from_world;
   std::vector<TrackPoint> points;  ///< Ids ascending.
+  /// Distance to the keyframe before that the ground asks for, in the map's unit, and the sd of its log.
+  std::optional<double> distance = std::nullopt;
+  double distance_log_sd = 0.0;
 };
 
 /// A point followed over several keyframes.
@@ -69,6 +72,9 @@ class LocalMap {
   void adjust();
   /// Whether each of these landmarks agreed with the present frame's pose; who disagrees too often moves.
   void judge(const std::vector<TrackId>& ids, const std::vector<bool>& agreed);
+
+  /// What the ground says of the way from the keyframe before to the latest one; the adjustment takes it into account.
+  void set_distance(double distance, double log_sd);
 
   /// Scales the local map, the last `free_keyframes` and all landmarks, by lambda about the centre of the oldest of
   /// them. Older keyframes see the same points at the old scale: their sights are left out from now on.

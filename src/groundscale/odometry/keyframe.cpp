@@ -292,7 +292,7 @@ const FrameResult& KeyframeOdometry::append(FrameResult result, const RigidTrans
 
 void KeyframeOdometry::finish() {
   if (!mapping_) close_bridge();
-  const bool filtered = options_.odometry.scale_correction == ScaleCorrection::kFiltered;
+  const bool filtered = keeper_.follows_ground();
   const std::vector<MapScaleFilter::Smoothed> smoothed = keeper_.smoothed();
   final_poses_.clear();
   for (std::size_t k = 0; k < results_.size(); ++k) {

@@ -105,6 +105,7 @@ class KeyframeOdometry final : public Odometry {
   bool follow_road(const Recent& present);
   Image road_region(const Recent& present, const DrivenPath& path, const GroundPlane& road);
   void measure_road(FrameResult& result, const Recent& present, bool look);
+  void hold_by_ground(const ScaleReport& report);
   void take_report(FrameResult& result, const ScaleReport& report, double curvature_per_m);
   std::vector<RigidTransform> trail_poses() const;
 

@@ -107,6 +107,7 @@ void KeyframeOdometry::measure_road(FrameResult& result, const Recent& present, 
   }
   clock_.lap("road points");
   const ScaleReport report = keeper_.advance(input);
+  hold_by_ground(report);
   take_report(result, report, path.curvature_per_m);
   clock_.lap("scale");
 
@@ -118,6 +119,17 @@ void KeyframeOdometry::measure_road(FrameResult& result, const Recent& present, 
     trail_.pop_front();
   }
   road_.forget_before(trail_.front().index);
+}
+
+/// Continuous correction: the ground's metres of the latest step between keyframes for the next adjustment. The map's
+/// unit is to be a metre.
+void KeyframeOdometry::hold_by_ground(const ScaleReport& report) {
+  const auto& keyframes = map_.keyframes();
+  if (options_.odometry.scale_correction != ScaleCorrection::kContinuous || !report.reason.empty()) return;
+  if (keyframes.back().frame != trail_.back().index || keyframes.size() < 2) return;
+  const RigidTransform step = keyframes[keyframes.size() - 2].cam_from_world * keyframes.back().cam_from_world.inverse();
+  const double distance_m = *report.measured * step.translation.norm();
+  if (distance_m > 0.0) map_.set_distance(distance_m, report.measured_sd / options_.keyframe.ground_weight);
 }
 
 void KeyframeOdometry::take_report(FrameResult& result, const ScaleReport& report, double curvature_per_m) {

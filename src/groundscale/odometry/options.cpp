@@ -109,6 +109,12 @@ void visit_fields(KeyframeOptions& options, FieldVisitor& visitor) {
                 options.start_matches);
   visitor.field({.key = "start_points", .unit = "", .help = "landmarks that come of them", .min = 10, .max = 10000},
                 options.start_points);
+  visitor.field({.key = "ground_weight",
+                 .unit = "",
+                 .help = "of the ground in the bundle adjustment, over what its sd says (continuous)",
+                 .min = 0.001,
+                 .max = 100},
+                options.ground_weight);
   visitor.group("region", options.region);
   visitor.group("map", options.map);
   visitor.group("resection", options.resection);

@@ -72,6 +72,13 @@ std::string summary_json(const RunSummary& s) {
                       {"road_rms_px", m.road_rms_px},          {"pitch_sd_deg", m.pitch_sd_deg}};
   json["first_scaled_frame"] = nullptr;
   if (s.first_scaled_frame) json["first_scaled_frame"] = *s.first_scaled_frame;
+  json["scale_corrections"] = nlohmann::ordered_json::array();
+  for (const ScaleEvent& event : s.corrections) {
+    json["scale_corrections"].push_back({{"frame", event.frame},
+                                         {"lambda", event.lambda},
+                                         {"held_before", event.held_before},
+                                         {"held_after", event.held_after}});
+  }
   json["warnings"] = s.warnings;
   json["time"] = {{"wall_s", s.wall_s}, {"median_ms_a_frame", s.median_ms}, {"p95_ms_a_frame", s.p95_ms}};
   for (const auto& [stage, ms] : s.stage_ms) json["time"]["mean_ms_a_frame"][stage] = ms;

@@ -91,7 +91,7 @@ void ScaleKeeper::start(double metres_per_unit, double sd) {
 }
 
 double ScaleKeeper::held() const {
-  return correction_ == ScaleCorrection::kFiltered ? std::exp(filter_.log_scale()) : held_;
+  return follows_ground() ? std::exp(filter_.log_scale()) : held_;
 }
 
 ScaleReport ScaleKeeper::advance(const Input& input) {

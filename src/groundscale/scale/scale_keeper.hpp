@@ -20,7 +20,7 @@ enum class ScaleCorrection {
   kNone,        ///< The scale found at the start is held.
   kTriggered,   ///< The same, and the map is scaled where it has drifted by more than a threshold (Algorithm 2).
   kFiltered,    ///< Metres per map unit follow the ground as a slow process.
-  kContinuous,  ///< The ground is part of the bundle adjustment.
+  kContinuous,  ///< The ground takes part in the bundle adjustment, and what is left is filtered.
 };
 
 struct ScaleKeeperOptions {
@@ -93,6 +93,10 @@ class ScaleKeeper {
   void skip();
 
   double held() const;
+  /// Whether the scale in force follows the ground from frame to frame.
+  bool follows_ground() const {
+    return correction_ == ScaleCorrection::kFiltered || correction_ == ScaleCorrection::kContinuous;
+  }
   double held_sd() const { return filter_.sd(); }
   /// log(metres per unit) of every frame since the first, from the whole drive.
   std::vector<MapScaleFilter::Smoothed> smoothed() const { return filter_.smoothed(); }
