@@ -20,7 +20,7 @@ struct TrackingOptions {
 
 void visit_fields(TrackingOptions& options, FieldVisitor& visitor);
 
-/// Points followed from frame to frame over the whole image, each under an id of its own that never comes again.
+/// Points followed from frame to frame over the whole image, each under an id of its own that no other point ever has.
 class Tracker {
  public:
   explicit Tracker(const TrackingOptions& options) : options_(options) {}
