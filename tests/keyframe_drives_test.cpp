@@ -1,8 +1,9 @@
 // Drives that the keyframe odometry must measure from beginning to end: traffic, halts and a tight turn, with and
-// without black frames; 60 Hz; a fisheye.
+// without black frames; 60 Hz; fisheyes.
 #include <numbers>
 
 #include "groundscale/camera/kannala_brandt.hpp"
+#include "groundscale/camera/ocam.hpp"
 #include "hard_drive.hpp"
 
 namespace groundscale {
@@ -111,6 +112,28 @@ TEST(KeyframeDrives, AFisheye) {
   expect_whole(result, feed);
   EXPECT_NEAR(length_ratio(result, feed, 0, feed.size() - 1), 1.0, kLength);
   EXPECT_LT(motion_error_m(result, feed, 0, feed.size() - 1), 1.0);
+}
+
+TEST(KeyframeDrives, AnOcamThatLooksToTheSide) {
+  // The campus preset at a third of its size.
+  CameraPreset camera = find_camera_preset("campus").value();
+  const OcamParameters lens{.polynomial = {-170.0, 0.0, 3.0 * 4.9e-4, -9.0 * 2.0e-8, 27.0 * 2.0e-11},
+                            .cx = 320.1,
+                            .cy = 179.2,
+                            .c = 1.0003,
+                            .d = -2e-4,
+                            .e = 3e-4};
+  camera.camera = OcamCamera::create(lens, 640, 360).value();
+  camera.options.edge_rays = 0;
+  for (double& pixel : camera.region_px) pixel /= 3.0;
+  const Route route{Path::of_pieces({{15.0, 0.0}, {10.0, 0.01}, {60.0, 0.01}}, {}), Surroundings::kTown, 8.0, {}, 0.0};
+  const Feed feed = rendered(drive_along(route, camera, 4), 60);
+  OdometryOptions options;
+  options.road.region.polygon_px = camera.region_px;
+  const DriveRun result = run(feed, setup_of(camera), options);
+  expect_whole(result, feed);
+  EXPECT_NEAR(length_ratio(result, feed, 0, feed.size() - 1), 1.0, kLength);
+  EXPECT_LT(motion_error_m(result, feed, 0, feed.size() - 1), 0.3);
 }
 
 }  // namespace
