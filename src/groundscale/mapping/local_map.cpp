@@ -242,7 +242,7 @@ void LocalMap::set_distance(double distance, double log_sd) {
   keyframes_.back().distance_log_sd = log_sd;
 }
 
-void LocalMap::scale(double lambda) {
+const Keyframe& LocalMap::scale(double lambda) {
   GS_CHECK(lambda > 0.0 && !keyframes_.empty(), "a positive factor for a map with keyframes");
   const auto free = static_cast<std::size_t>(options_.free_keyframes);
   const std::size_t begin = keyframes_.size() > free ? keyframes_.size() - free : 0;
@@ -258,6 +258,7 @@ void LocalMap::scale(double lambda) {
     if (landmark.point_in_world) landmark.point_in_world = scaled(*landmark.point_in_world);
   }
   forget_old();
+  return *find(boundary_);
 }
 
 }  // namespace groundscale

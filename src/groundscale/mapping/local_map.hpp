@@ -78,7 +78,8 @@ class LocalMap {
 
   /// Scales the local map, the last `free_keyframes` and all landmarks, by lambda about the centre of the oldest of
   /// them. Older keyframes see the same points at the old scale: their sights are left out from now on.
-  void scale(double lambda);
+  /// @return the keyframe that stayed where it is.
+  const Keyframe& scale(double lambda);
 
  private:
   std::size_t first_free() const;

@@ -21,6 +21,7 @@ void RoadTracks::clear() {
   view_ = {};
   view_frame_ = -1;
   matches_.clear();
+  matches_frame_ = -1;
   tracks_.clear();
 }
 
@@ -34,6 +35,7 @@ void RoadTracks::add_sight(TrackId id, int frame, const Eigen::Vector2d& pixel) 
 
 const Matches& RoadTracks::follow(const Image& image, int frame, const RoadWarp& frame_from_view) {
   matches_.clear();
+  matches_frame_ = frame;
   if (view_.points.empty()) return matches_;
   matches_ = matcher_.match(view_, image, frame_from_view, /*fine=*/true, *camera_);
   for (const Match& match : matches_) add_sight(match.id, frame, match.pixel2);
@@ -43,7 +45,9 @@ const Matches& RoadTracks::follow(const Image& image, int frame, const RoadWarp&
 void RoadTracks::look(const Image& image, int frame, const Image& region) {
   view_.image = image;
   view_.points.clear();
-  for (const Match& match : matches_) view_.points.push_back({match.id, match.pixel2});
+  if (matches_frame_ == frame) {
+    for (const Match& match : matches_) view_.points.push_back({match.id, match.pixel2});
+  }
   matches_.clear();
   matcher_.fill(view_, region);
   view_frame_ = frame;
@@ -59,22 +63,24 @@ std::vector<RoadTracks::Point> RoadTracks::points(const std::vector<RigidTransfo
   std::vector<Point> result;
   TriangulationOptions options;
   options.min_parallax_rad = options_.min_parallax_px / camera_->focal_px();
+  const int end_frame = first_frame + static_cast<int>(cam_from_world.size());
   std::vector<Sight> sights;
   for (const auto& [id, track] : tracks_) {
-    const auto begin = std::find_if(track.sights.begin(), track.sights.end(),
-                                    [first_frame](const Track::Sight& s) { return s.frame >= first_frame; });
-    const auto count = static_cast<int>(track.sights.end() - begin);
+    const auto sight_before = [](const Track::Sight& sight, int frame) { return sight.frame < frame; };
+    const auto begin = std::lower_bound(track.sights.begin(), track.sights.end(), first_frame, sight_before);
+    const auto end = std::lower_bound(begin, track.sights.end(), end_frame, sight_before);
+    const auto count = static_cast<int>(end - begin);
     constexpr int kMinSights = 3;
     if (count < kMinSights) continue;
     sights.clear();
-    const int used = std::min(count, options_.max_sights);
+    const int used = std::clamp(options_.max_sights, 2, count);
     for (int k = 0; k < used; ++k) {
       const Track::Sight& sight = *(begin + k * (count - 1) / (used - 1));
       sights.push_back({cam_from_world[static_cast<std::size_t>(sight.frame - first_frame)], sight.ray, sight.pixel});
     }
     const auto point = triangulate(sights, *camera_, options);
     if (!point || point->rms_px > options_.max_error_px) continue;
-    result.push_back({id, point->point_in_world});
+    result.push_back({id, point->point_in_world, (begin->frame + track.sights.back().frame) / 2});
   }
   return result;
 }

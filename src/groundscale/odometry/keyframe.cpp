@@ -198,11 +198,9 @@ const FrameResult& KeyframeOdometry::map_frame(FrameResult result, Recent& prese
   const double unit_m = keeper_.held();
   Link link{map_.keyframes().back().frame, here.cam_from_keyframe.inverse(), unit_m, true, false, {}};
   if (wants_keyframe(present.tracked)) {
+    link.is_keyframe = true;
+    link.as_tracked = link.reference_from_cam;
     add_keyframe(present, *pose);
-    const auto& keyframes = map_.keyframes();
-    const Keyframe& before = keyframes[keyframes.size() - 2];
-    const RigidTransform before_from_cam = before.cam_from_world * keyframes.back().cam_from_world.inverse();
-    link = {before.frame, before_from_cam, unit_m, true, true, before_from_cam};
   }
   links_.push_back(link);
   refresh_poses();
@@ -232,18 +230,22 @@ void KeyframeOdometry::add_keyframe(const Recent& present, const RigidTransform&
   constexpr TrackId kRoad = TrackId{1} << 40;
   for (const Match& match : details_.road_matches) points.push_back({match.id + kRoad, match.pixel2});
   const int serial = map_.add(present.index, cam_from_world, points);
-  if (pending_correction_) {
-    const double before = keeper_.held();
-    map_.scale(*pending_correction_);
-    keeper_.corrected(*pending_correction_);
-    corrections_.push_back({results_.empty() ? 0 : present.frame.index, *pending_correction_, before});
-    pending_correction_.reset();
-    road_.clear();
-  }
+  if (pending_correction_) correct_map();
   map_.triangulate();
   map_.adjust();
   trail_.back().keyframe = serial;
   trail_.back().cam_from_keyframe = {};
+}
+
+/// Algorithm 2: the local map grows by lambda about its oldest keyframe, and what was seen before it is left alone.
+void KeyframeOdometry::correct_map() {
+  const Keyframe& oldest = map_.scale(*pending_correction_);
+  keeper_.corrected(*pending_correction_);
+  corrections_.push_back({results_.back().frame + 1, *pending_correction_, last_drift_ratio_, 1.0});
+  correction_open_ = true;
+  pending_correction_.reset();
+  // The road's points are placed by the scaled part of the trail alone.
+  while (trail_.size() > 2 && trail_.front().index < oldest.frame) trail_.pop_front();
 }
 
 /// Poses that hang on keyframes follow them.
@@ -294,6 +296,10 @@ void KeyframeOdometry::finish() {
   if (!mapping_) close_bridge();
   const bool filtered = keeper_.follows_ground();
   const std::vector<MapScaleFilter::Smoothed> smoothed = keeper_.smoothed();
+  std::vector<int> next_keyframe(links_.size(), -1);
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    if (links_[k].is_keyframe) next_keyframe[static_cast<std::size_t>(links_[k].reference)] = static_cast<int>(k);
+  }
   final_poses_.clear();
   for (std::size_t k = 0; k < results_.size(); ++k) {
     const Link& link = links_[k];
@@ -303,10 +309,34 @@ void KeyframeOdometry::finish() {
     }
     const double unit_m = link.by_map && filtered ? std::exp(smoothed[k].log_scale) : link.unit_m;
     final_poses_.push_back(final_poses_[static_cast<std::size_t>(link.reference)] *
-                           in_metres(link.reference_from_cam, unit_m));
+                           in_metres(final_link(k, next_keyframe), unit_m));
     results_[k].step_m = k == 0 ? 0.0 : (final_poses_[k].translation - final_poses_[k - 1].translation).norm();
     results_[k].step_sd = link.by_map && filtered ? smoothed[k].sd : results_[k].online_step_sd;
   }
+}
+
+/// A frame between two keyframes follows what became of the way from one to the other after it was tracked: the
+/// similarity of that way as it was to as it is, turned by the share of the way that the frame has made.
+RigidTransform KeyframeOdometry::final_link(std::size_t index, const std::vector<int>& next_keyframe) const {
+  const Link& link = links_[index];
+  if (!link.by_map || link.is_keyframe) return link.reference_from_cam;
+  const int next = next_keyframe[static_cast<std::size_t>(link.reference)];
+  if (next < 0) return link.reference_from_cam;
+  const RigidTransform& before = links_[static_cast<std::size_t>(next)].as_tracked;
+  const RigidTransform& after = links_[static_cast<std::size_t>(next)].reference_from_cam;
+  const double length_before = before.translation.norm();
+  const double length_after = after.translation.norm();
+  const double along = link.reference_from_cam.translation.norm();
+  constexpr double kLeastShare = 1e-3;  // of its own way, below it says nothing
+  if (!(length_before > kLeastShare * along) || !(length_after > 0.0)) return link.reference_from_cam;
+  const Eigen::Vector3d axis = before.translation.cross(after.translation) / (length_before * length_after);
+  const double share = std::min(1.0, along / length_before);
+  RigidTransform followed;
+  followed.rotation =
+      exp_so3(share * log_so3(after.rotation * before.rotation.transpose())) * link.reference_from_cam.rotation;
+  followed.translation =
+      length_after / length_before * (exp_so3(axis) * link.reference_from_cam.translation);  // a small angle
+  return followed;
 }
 
 }  // namespace groundscale

@@ -38,6 +38,7 @@ class KeyframeOdometry final : public Odometry {
   bool scaled() const override { return scaled_; }
   const std::vector<RigidTransform>& online_poses() const override { return online_poses_; }
   std::vector<RigidTransform> final_poses() const override { return final_poses_; }
+  std::vector<ScaleEvent> corrections() const override { return corrections_; }
   const StageClock& clock() const override { return clock_; }
   const RoadDetector* road_detector() const override { return detector_ ? &*detector_ : nullptr; }
   Mounting mounting() const override { return mounting_.mounting(); }
@@ -59,7 +60,7 @@ class KeyframeOdometry final : public Odometry {
     double unit_m = 1.0;
     bool by_map = false;  ///< Else by the pairwise odometry, in metres.
     bool is_keyframe = false;
-    RigidTransform as_tracked;  ///< Of a keyframe: what the link was before its adjustment.
+    RigidTransform as_tracked;  ///< Of a keyframe: what the link was when it was added.
   };
   /// A frame of the latest stretch of road.
   struct TrailFrame {
@@ -68,13 +69,6 @@ class KeyframeOdometry final : public Odometry {
     RigidTransform cam_from_world;
     int keyframe = -1;  ///< Serial of the reference; -1 where the pairwise odometry placed it.
     RigidTransform cam_from_keyframe;
-  };
-
-  /// A scaling of the local map.
-  struct Correction {
-    int frame = 0;
-    double lambda = 1.0;
-    double held = 1.0;
   };
 
   // Bridging (keyframe_start.cpp).
@@ -96,7 +90,9 @@ class KeyframeOdometry final : public Odometry {
   bool stands_still(const TrackedPoints& tracked) const;
   bool wants_keyframe(const TrackedPoints& tracked) const;
   void add_keyframe(const Recent& present, const RigidTransform& cam_from_world);
+  void correct_map();
   void refresh_poses();
+  RigidTransform final_link(std::size_t index, const std::vector<int>& next_keyframe) const;
   const FrameResult& append(FrameResult result, const RigidTransform& world_from_cam_m);
   const FrameResult& coast(FrameResult result, const Recent& present, std::string reason);
 
@@ -130,7 +126,9 @@ class KeyframeOdometry final : public Odometry {
   std::map<int, RigidTransform> keyframes_m_;  ///< world_from_cam in metres, by serial.
   std::optional<Eigen::Vector3d> road_normal_in_world_;
   std::optional<double> pending_correction_;
-  std::vector<Correction> corrections_;
+  std::vector<ScaleEvent> corrections_;
+  double last_drift_ratio_ = 1.0;
+  bool correction_open_ = false;  ///< The last one waits for its first measurement.
   std::vector<TrackPoint> halt_points_;  ///< Of the last frame that moved.
   bool mapping_ = false;
   std::optional<double> lost_since_s_;  ///< The map carries no frames, but may be found again.

@@ -58,7 +58,9 @@ bool KeyframeOdometry::follow_road(const Recent& present) {
 
 /// The strip along the path, where it isn't the vehicle's own and detectors see road.
 Image KeyframeOdometry::road_region(const Recent& present, const DrivenPath& path, const GroundPlane& road) {
-  const Image strip = region_mask(path, road, *camera_, options_.keyframe.region);
+  RegionOptions options = options_.keyframe.region;
+  options.polygon_px = options_.road.region.polygon_px;
+  const Image strip = region_mask(path, road, *camera_, options);
   Image allowed = intersect_masks(tracking_mask_, present.road_mask);
   if (detector_) {
     clock_.lap("road detection");
@@ -97,7 +99,16 @@ void KeyframeOdometry::measure_road(FrameResult& result, const Recent& present, 
   ScaleKeeper::Input input;
   input.time_s = present.frame.time_s;
   input.world_from_cam = poses;
-  for (const RoadTracks::Point& point : points) input.road_points_in_world.push_back(point.point_in_world);
+  // By how much the camera has turned since each frame of the trail.
+  std::vector<double> turned(cam_from_world.size(), 0.0);
+  for (std::size_t k = turned.size(); k-- > 1;) {
+    turned[k - 1] = turned[k] + rotation_angle(cam_from_world[k].rotation * cam_from_world[k - 1].rotation.transpose());
+  }
+  for (const RoadTracks::Point& point : points) {
+    input.road_points_in_world.push_back(point.point_in_world);
+    input.turned_since_seen_rad.push_back(
+        turned[static_cast<std::size_t>(std::max(0, point.mean_frame - trail_.front().index))]);
+  }
   input.mounting = mounting_.mounting();
   input.expected_normal = mounting_.mean_normal();
   if (trail_.size() >= 2) {
@@ -141,6 +152,11 @@ void KeyframeOdometry::take_report(FrameResult& result, const ScaleReport& repor
   if (!report.measured) return;
   result.raw_over_online = *report.measured / report.held;
   result.drift_ratio = report.drift_ratio;
+  last_drift_ratio_ = *report.drift_ratio;
+  if (correction_open_ && report.reason.empty()) {
+    corrections_.back().drift_after = *report.drift_ratio;
+    correction_open_ = false;
+  }
   result.raw_sd = report.measured_sd;
   const PlaneAngles angles = plane_angles(report.plane_in_cam.normal_in_cam);
   result.pitch_rad = angles.pitch_rad;

@@ -52,6 +52,8 @@ class Odometry {
   virtual const std::vector<RigidTransform>& online_poses() const = 0;
   /// Poses from the whole drive, after `finish`.
   virtual std::vector<RigidTransform> final_poses() const = 0;
+  /// Scalings of the map so far.
+  virtual std::vector<ScaleEvent> corrections() const { return {}; }
   /// Time that each stage has taken so far.
   virtual const StageClock& clock() const = 0;
   /// The road network; null where the options name none.

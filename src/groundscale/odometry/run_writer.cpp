@@ -76,8 +76,8 @@ std::string summary_json(const RunSummary& s) {
   for (const ScaleEvent& event : s.corrections) {
     json["scale_corrections"].push_back({{"frame", event.frame},
                                          {"lambda", event.lambda},
-                                         {"held_before", event.held_before},
-                                         {"held_after", event.held_after}});
+                                         {"drift_before", event.drift_before},
+                                         {"drift_after", event.drift_after}});
   }
   json["warnings"] = s.warnings;
   json["time"] = {{"wall_s", s.wall_s}, {"median_ms_a_frame", s.median_ms}, {"p95_ms_a_frame", s.p95_ms}};
@@ -156,6 +156,7 @@ void add_figures(const Odometry& odometry, RunSummary& summary) {
     }
     if (odometry.scaled()) summary.length_m += result.step_m;
   }
+  summary.corrections = odometry.corrections();
   summary.matching = matching_figures(odometry.results());
   if (odometry.road_detector() == nullptr) return;
   summary.network_runs = odometry.road_detector()->runs();

@@ -24,14 +24,6 @@ struct MatchingFigures {
   double pitch_sd_deg = 0.0;  ///< Of the road's plane over accepted measurements.
 };
 
-/// A correction of the map's scale (docs/method.md).
-struct ScaleEvent {
-  int frame = 0;             ///< Its number in the source.
-  double lambda = 1.0;       ///< Measured over held scale.
-  double held_before = 1.0;  ///< Metres per map unit.
-  double held_after = 1.0;
-};
-
 /// What a run was made of and what came of it, for summary.json and the table at the end.
 struct RunSummary {
   std::string source;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -15,17 +16,39 @@ namespace groundscale {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kMadToSd = 1.4826;
 
-/// Normal equations of (rotation of the normal about two tangents, height, curvature), in metres.
-struct Normals {
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
-  void add(const Eigen::Vector4d& row, double residual, double weight) {
-    matrix += weight * row * row.transpose();
-    gradient += weight * residual * row;
+/// What is estimated, in metres.
+struct Road {
+  Eigen::Vector3d normal;
+  double height_m = 0.0;
+  double curvature_per_m = 0.0;
+
+  /// How far a point lies beneath the parallel of the road through the camera, less the height.
+  double residual_m(const Eigen::Vector3d& point, double bend) const {
+    return normal.dot(point) + curvature_per_m * bend - height_m;
   }
 };
+
+/// The caller's points in metres. A point's bend is what the road's curvature is multiplied by there: a^2 / 2.
+struct MetricPoints {
+  std::vector<Eigen::Vector3d> points, centres;
+  std::vector<double> bends, centre_bends;
+  const std::vector<double>& weights;
+};
+
+MetricPoints in_metres(const PlanePoints& given) {
+  MetricPoints metric{{}, {}, {}, {}, given.weights};
+  const auto convert = [&given](const std::vector<Eigen::Vector3d>& from, std::vector<Eigen::Vector3d>& points,
+                                std::vector<double>& bends) {
+    for (const Eigen::Vector3d& point : from) {
+      points.emplace_back(given.metres_per_unit * point);
+      bends.push_back(0.5 * std::pow(given.forward_in_cam.dot(points.back()), 2));
+    }
+  };
+  convert(given.points_in_cam, metric.points, metric.bends);
+  convert(given.centres_in_cam, metric.centres, metric.centre_bends);
+  return metric;
+}
 
 /// Changes of the normal by a radian of pitch and of roll.
 struct Tangents {
@@ -37,6 +60,27 @@ Tangents tangents_at(const Eigen::Vector3d& normal) {
   const Eigen::Vector3d pitch = Eigen::Vector3d::UnitX().cross(normal).normalized();
   return {pitch, normal.cross(pitch)};
 }
+
+/// Normal equations of (pitch, roll, height, curvature).
+struct Normals {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
+
+  /// @param row  Derivative of the residual.
+  void add(const Eigen::Vector4d& row, double residual, double sd, double weight = 1.0) {
+    const double information = weight / (sd * sd);
+    matrix += information * row * row.transpose();
+    gradient += information * residual * row;
+  }
+  /// So little that it moves no result, so much that directions nobody has seen come out as very uncertain.
+  Eigen::Matrix4d damped() const {
+    Eigen::Matrix4d result = matrix;
+    result.diagonal() += 1e-9 * matrix.diagonal() + Eigen::Vector4d::Constant(1e-6);
+    return result;
+  }
+  Eigen::Vector4d step() const { return -damped().ldlt().solve(gradient); }
+  Eigen::Matrix4d covariance() const { return damped().ldlt().solve(Eigen::Matrix4d::Identity()); }
+};
 
 /// Value that half of the weights lie below.
 double weighted_median(std::vector<std::pair<double, double>> values_and_weights) {
@@ -51,12 +95,73 @@ double weighted_median(std::vector<std::pair<double, double>> values_and_weights
   return values_and_weights.back().first;
 }
 
-double robust_sd(const PlanePoints& points, const Eigen::Vector3d& normal, double height, double curvature) {
+double median_height_m(const MetricPoints& metric, const Eigen::Vector3d& normal) {
+  std::vector<std::pair<double, double>> heights;
+  for (std::size_t i = 0; i < metric.points.size(); ++i) {
+    heights.emplace_back(normal.dot(metric.points[i]), metric.weights[i]);
+  }
+  return weighted_median(std::move(heights));
+}
+
+double robust_sd_m(const MetricPoints& metric, const Road& road) {
+  constexpr double kMadToSd = 1.4826;
   std::vector<std::pair<double, double>> deviations;
-  for (std::size_t i = 0; i < points.points_in_cam.size(); ++i) {
-    deviations.emplace_back(std::abs(normal.dot(points.points_in_cam[i]) + 0.5 * curvature * std::pow(points.forward_in_cam.dot(points.points_in_cam[i]), 2) - height), points.weights[i]);
+  for (std::size_t i = 0; i < metric.points.size(); ++i) {
+    deviations.emplace_back(std::abs(road.residual_m(metric.points[i], metric.bends[i])), metric.weights[i]);
   }
   return kMadToSd * weighted_median(std::move(deviations));
+}
+
+void add_points(const MetricPoints& metric, const Road& road, double sd_m, Normals& normals) {
+  const CauchyLoss loss{2.0};  // in sd
+  const Tangents tangents = tangents_at(road.normal);
+  for (std::size_t i = 0; i < metric.points.size(); ++i) {
+    const Eigen::Vector3d& x = metric.points[i];
+    const double residual_m = road.residual_m(x, metric.bends[i]);
+    normals.add({tangents.pitch.dot(x), tangents.roll.dot(x), -1.0, metric.bends[i]}, residual_m, sd_m,
+                metric.weights[i] * loss.weight(residual_m / sd_m));
+  }
+}
+
+void add_ties(const MetricPoints& metric, const Road& road, double tie_sd_m, Normals& normals) {
+  const Tangents tangents = tangents_at(road.normal);
+  for (std::size_t j = 0; j < metric.centres.size(); ++j) {
+    const Eigen::Vector3d& c = metric.centres[j];
+    const double sd_m = tie_sd_m * std::sqrt(std::max(1e-6, c.norm()));
+    normals.add({tangents.pitch.dot(c), tangents.roll.dot(c), 0.0, metric.centre_bends[j]},
+                road.normal.dot(c) + road.curvature_per_m * metric.centre_bends[j], sd_m);
+  }
+}
+
+void add_priors(const Eigen::Vector3d& expected_normal, const Road& road, const PointPlaneOptions& options,
+                Normals& normals) {
+  constexpr double kFlatSd = 1e-9;
+  normals.add(Eigen::Vector4d::Unit(3), road.curvature_per_m, std::max(kFlatSd, options.curvature_sd_per_m));
+  if (expected_normal.isZero()) return;
+  const Tangents tangents = tangents_at(expected_normal);
+  const Eigen::Vector3d off = road.normal - expected_normal;
+  normals.add(Eigen::Vector4d::Unit(0), off.dot(tangents.pitch), options.pitch_prior_deg * kDegree);
+  normals.add(Eigen::Vector4d::Unit(1), off.dot(tangents.roll), options.roll_prior_deg * kDegree);
+}
+
+void move(const Eigen::Vector4d& step, Road& road) {
+  const Tangents tangents = tangents_at(road.normal);
+  road.normal = (road.normal + step(0) * tangents.pitch + step(1) * tangents.roll).normalized();
+  road.height_m += step(2);
+  road.curvature_per_m += step(3);
+}
+
+void take_inliers(const MetricPoints& metric, const Road& road, double sd_m, PointPlane& result) {
+  double squares = 0.0;
+  double weights = 0.0;
+  for (std::size_t i = 0; i < metric.points.size(); ++i) {
+    const double residual_m = road.residual_m(metric.points[i], metric.bends[i]);
+    if (std::abs(residual_m) > 3.0 * sd_m) continue;
+    result.inliers.push_back(static_cast<int>(i));
+    squares += metric.weights[i] * residual_m * residual_m;
+    weights += metric.weights[i];
+  }
+  result.rms_m = weights > 0.0 ? std::sqrt(squares / weights) : 0.0;
 }
 
 }  // namespace
@@ -99,81 +204,38 @@ void visit_fields(PointPlaneOptions& options, FieldVisitor& visitor) {
 
 Result<PointPlane> fit_point_plane(const PlanePoints& points, const PointPlaneOptions& options) {
   GS_CHECK(points.weights.size() == points.points_in_cam.size(), "a weight for each point");
-  const int count = static_cast<int>(points.points_in_cam.size());
-  if (count < options.min_points) {
+  const std::size_t count = points.points_in_cam.size();
+  if (count < static_cast<std::size_t>(std::max(1, options.min_points))) {
     return Error{ErrorCode::kTooFewMatches,
                  fmt::format("{} road points on the path, {} are needed", count, options.min_points)};
   }
-  const bool expected = !points.expected_normal.isZero();
-  Eigen::Vector3d normal = expected ? points.expected_normal : Eigen::Vector3d(Eigen::Vector3d::UnitY());
-  std::vector<std::pair<double, double>> heights;
-  for (std::size_t i = 0; i < points.points_in_cam.size(); ++i) {
-    heights.emplace_back(normal.dot(points.points_in_cam[i]), points.weights[i]);
-  }
-  double height = weighted_median(std::move(heights));
-  const double unit = points.metres_per_unit;
+  const MetricPoints metric = in_metres(points);
+  Road road{points.expected_normal.isZero() ? Eigen::Vector3d(Eigen::Vector3d::UnitY()) : points.expected_normal};
+  road.height_m = median_height_m(metric, road.normal);
 
   constexpr int kIterations = 8;
   double sd_m = 0.0;
-  double curvature = 0.0;  // per metre
-  Eigen::Matrix4d information;
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const Tangents tangents = tangents_at(normal);
-    sd_m = std::max(options.min_point_sd_m, unit * robust_sd(points, normal, height, curvature * unit));
-    const CauchyLoss loss{2.0};
+    sd_m = std::max(options.min_point_sd_m, robust_sd_m(metric, road));
     Normals normals;
-    for (std::size_t i = 0; i < points.points_in_cam.size(); ++i) {
-      const Eigen::Vector3d x = unit * points.points_in_cam[i];
-      const double bend = 0.5 * std::pow(points.forward_in_cam.dot(x), 2);
-      const double residual = (normal.dot(x) + curvature * bend - unit * height) / sd_m;
-      normals.add(Eigen::Vector4d(tangents.pitch.dot(x), tangents.roll.dot(x), -1.0, bend) / sd_m, residual,
-                  points.weights[i] * loss.weight(residual));
-    }
-    for (const Eigen::Vector3d& centre : points.centres_in_cam) {
-      const Eigen::Vector3d c = unit * centre;
-      const double tie_sd = options.tie_sd_m * std::sqrt(std::max(1e-6, c.norm()));
-      const double bend = 0.5 * std::pow(points.forward_in_cam.dot(c), 2);
-      normals.add(Eigen::Vector4d(tangents.pitch.dot(c), tangents.roll.dot(c), 0.0, bend) / tie_sd,
-                  (normal.dot(c) + curvature * bend) / tie_sd, 1.0);
-    }
-    if (expected) {
-      const Tangents about = tangents_at(points.expected_normal);
-      const Eigen::Vector3d off = normal - points.expected_normal;
-      const double pitch_sd = options.pitch_prior_deg * kDegree;
-      const double roll_sd = options.roll_prior_deg * kDegree;
-      normals.add(Eigen::Vector4d(1.0, 0.0, 0.0, 0.0) / pitch_sd, off.dot(about.pitch) / pitch_sd, 1.0);
-      normals.add(Eigen::Vector4d(0.0, 1.0, 0.0, 0.0) / roll_sd, off.dot(about.roll) / roll_sd, 1.0);
-    }
-    constexpr double kFlatSd = 1e-9;
-    const double curvature_sd = std::max(kFlatSd, options.curvature_sd_per_m);
-    normals.add(Eigen::Vector4d(0.0, 0.0, 0.0, 1.0) / curvature_sd, curvature / curvature_sd, 1.0);
-    information = normals.matrix;
-    const Eigen::Vector4d step = -information.ldlt().solve(normals.gradient);
-    if (!step.allFinite()) return Error{ErrorCode::kNotGround, "the road points don't determine a plane"};
-    normal = (normal + step(0) * tangents.pitch + step(1) * tangents.roll).normalized();
-    height += step(2) / unit;
-    curvature += step(3);
+    add_points(metric, road, sd_m, normals);
+    add_ties(metric, road, options.tie_sd_m, normals);
+    add_priors(points.expected_normal, road, options, normals);
+    move(normals.step(), road);
+    if (iteration + 1 == kIterations) covariance = normals.covariance();
   }
-  if (!(height > 0.0)) return Error{ErrorCode::kNotGround, "the road points lie above the camera"};
+  constexpr double kMaxAngleSd = 0.3;
+  if (!(std::max(covariance(0, 0), covariance(1, 1)) < kMaxAngleSd * kMaxAngleSd) || !road.normal.allFinite()) {
+    return Error{ErrorCode::kNotGround, "the road points don't determine a plane"};
+  }
+  if (!(road.height_m > 0.0)) return Error{ErrorCode::kNotGround, "the road points lie above the camera"};
 
   PointPlane result;
-  result.plane = {normal, height};
-  result.curvature_per_m = curvature;
-  const Eigen::Matrix4d covariance = information.ldlt().solve(Eigen::Matrix4d::Identity());
-  result.log_height_sd = std::sqrt(std::max(0.0, covariance(2, 2))) / (unit * height);
-  double squares = 0.0;
-  double weights = 0.0;
-  for (int i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const Eigen::Vector3d x = unit * points.points_in_cam[k];
-    const double residual_m =
-        normal.dot(x) + 0.5 * curvature * std::pow(points.forward_in_cam.dot(x), 2) - unit * height;
-    if (std::abs(residual_m) > 3.0 * sd_m) continue;
-    result.inliers.push_back(i);
-    squares += points.weights[k] * residual_m * residual_m;
-    weights += points.weights[k];
-  }
-  result.rms_m = weights > 0.0 ? std::sqrt(squares / weights) : 0.0;
+  result.plane = {road.normal, road.height_m / points.metres_per_unit};
+  result.curvature_per_m = road.curvature_per_m;
+  result.log_height_sd = std::sqrt(covariance(2, 2)) / road.height_m;
+  take_inliers(metric, road, sd_m, result);
   return result;
 }
 

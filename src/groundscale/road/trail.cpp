@@ -18,6 +18,24 @@ double distance_to_segment(const Eigen::Vector3d& point, const Eigen::Vector3d& 
   return (point - from - share * along).norm();
 }
 
+/// Of a point from the polyline of the trail's last `length_m`, all of them on the plane through the camera.
+double distance_to_trail(const Eigen::Vector3d& point, const Trail& trail, const Eigen::Vector3d& normal,
+                         double length_m) {
+  double distance = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d from = Eigen::Vector3d::Zero();
+  double left_m = length_m;
+  for (const RigidTransform& cam_from_past : trail.cam_from_past) {
+    const Eigen::Vector3d to = on_plane(cam_from_past.translation, normal);
+    const double step_m = (to - from).norm();
+    const double share = step_m > left_m ? left_m / step_m : 1.0;
+    distance = std::min(distance, distance_to_segment(point, from, from + share * (to - from)));
+    left_m -= step_m;
+    if (left_m <= 0.0) break;
+    from = to;
+  }
+  return distance;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> Trail::centres(double spacing_m, double length_m) const {
@@ -65,9 +83,8 @@ void visit_fields(PathWeightOptions& options, FieldVisitor& visitor) {
                 options.behind_m);
   visitor.field({.key = "ahead_m", .unit = "m", .help = "points ahead count up to here", .min = 3, .max = 100},
                 options.ahead_m);
-  visitor.field(
-      {.key = "half_width_m", .unit = "m", .help = "and up to here beside the path", .min = 0.3, .max = 10},
-      options.half_width_m);
+  visitor.field({.key = "half_width_m", .unit = "m", .help = "and up to here beside the path", .min = 0.3, .max = 10},
+                options.half_width_m);
   visitor.field({.key = "weight_sd_m",
                  .unit = "m",
                  .help = "points count less the farther they lie from the path",
@@ -81,21 +98,13 @@ double path_weight(const Eigen::Vector3d& point_in_cam_m, const Trail& trail, co
   const Eigen::Vector3d& normal = metric_road.normal_in_cam;
   const Eigen::Vector3d point = on_plane(point_in_cam_m, normal);
   const double ahead = point.dot(path.forward_in_cam);
-  double offset = std::numeric_limits<double>::infinity();
+  double offset = 0.0;
   if (ahead >= 0.0) {
     if (point.norm() > options.ahead_m) return 0.0;
     // The same point on the road, whatever its own height.
     offset = std::abs(offset_from_path(path, metric_road, point + normal * metric_road.height));
   } else {
-    Eigen::Vector3d from = Eigen::Vector3d::Zero();
-    double driven = 0.0;
-    for (const RigidTransform& cam_from_past : trail.cam_from_past) {
-      const Eigen::Vector3d to = on_plane(cam_from_past.translation, normal);
-      driven += (to - from).norm();
-      offset = std::min(offset, distance_to_segment(point, from, to));
-      if (driven >= options.behind_m) break;
-      from = to;
-    }
+    offset = distance_to_trail(point, trail, normal, options.behind_m);
   }
   if (!(offset <= options.half_width_m)) return 0.0;
   return std::exp(-0.5 * std::pow(offset / options.weight_sd_m, 2));

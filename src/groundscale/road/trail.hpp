@@ -14,32 +14,35 @@ namespace groundscale {
 struct Trail {
   std::vector<RigidTransform> cam_from_past;
 
-  /// Centres about every `spacing_m` up to `length_m` behind.
+  /// Centres of past cameras: from the present one backwards, each the first that is at least `spacing_m` from the one
+  /// before it; their polyline is at most `length_m` long. None while the camera stood.
   std::vector<Eigen::Vector3d> centres(double spacing_m, double length_m) const;
 };
 
 /// The latest part of a trajectory as a trail.
-/// @param world_from_cam   The present camera last, in any unit.
+/// @param world_from_cam   The present camera last, in any unit; empty or one pose: an empty trail.
 /// @param metres_per_unit  Of that unit.
-/// @param length_m         How far back the trail goes.
+/// @param length_m         How far back the trail goes: its last pose is the first one that is as far back as that.
 Trail trail_of(const std::vector<RigidTransform>& world_from_cam, double metres_per_unit, double length_m);
 
-/// Path at the present camera: chord and turn over the last `heading_m` that it drove; straight along the mounting's
-/// forward direction where it has not driven so far.
+/// Path at the present camera: chord and turn over the last `heading_m` that it drove (path_of_motion), over less where
+/// it has driven less, and straight along the mounting's forward direction where that is below 5 cm.
 DrivenPath path_of_trail(const Trail& trail, double heading_m, const Eigen::Vector3d& normal_in_cam,
                          const Eigen::Vector3d& mounting_forward_in_cam);
 
 struct PathWeightOptions {
-  double behind_m = 4.0;      ///< Points driven over count up to here behind the camera,
-  double ahead_m = 10.0;      ///< those ahead up to here along the path,
-  double half_width_m = 2.5;  ///< and up to here beside it,
-  double weight_sd_m = 1.0;   ///< by exp(-u^2 / 2 sd^2), u from the path: roads fall off to their sides.
+  double behind_m = 4.0;      ///< Points are weighed by the last part of the trail, so long,
+  double ahead_m = 10.0;      ///< and count up to this distance ahead,
+  double half_width_m = 2.5;  ///< no farther than this from the path or trail,
+  double weight_sd_m = 1.0;   ///< by exp(-u^2 / (2 sd^2)), u that distance: roads fall off to their sides.
 };
 
 void visit_fields(PathWeightOptions& options, FieldVisitor& visitor);
 
-/// How much a point of the road says about the plane beneath the vehicle: 0 beyond the path's surroundings.
-/// Ahead u is the distance to the path's arc, behind to the polyline of the trail.
+/// How much a point of the road says about the plane beneath the vehicle: w = exp(-u^2 / (2 sd^2)), 0 beyond the path's
+/// surroundings. Ahead u is the distance to the path's arc, behind to the polyline of the trail's last `behind_m`, both
+/// along the road: the point's own height doesn't count. Without a trail what lies behind has no weight.
+/// @param point_in_cam_m  In metres, as the trail and the road are.
 double path_weight(const Eigen::Vector3d& point_in_cam_m, const Trail& trail, const DrivenPath& path,
                    const GroundPlane& metric_road, const PathWeightOptions& options);
 

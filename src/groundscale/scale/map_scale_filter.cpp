@@ -41,6 +41,12 @@ void MapScaleFilter::start(double log_scale, double sd) {
   started_ = true;
 }
 
+void MapScaleFilter::change_unit(double log_ratio) {
+  // The smoother sees differences from what was predicted: a shift of both passes it by.
+  state_.mean(0) += log_ratio;
+  predicted_.mean(0) += log_ratio;
+}
+
 void MapScaleFilter::predict(double distance_m, double turn_rad) {
   Eigen::Matrix2d transition;
   transition << 1.0, std::abs(turn_rad), 0.0, 1.0;
@@ -54,16 +60,19 @@ void MapScaleFilter::predict(double distance_m, double turn_rad) {
   transition_ = Eigen::Matrix2d(transition * transition_);
 }
 
-void MapScaleFilter::update(double log_scale, double sd) {
-  const Eigen::Matrix<double, 1, 2> observation(1.0, 0.0);
-  const Eigen::Matrix<double, 1, 1> residual(log_scale - state_.mean(0));
+void MapScaleFilter::update(double log_scale, double sd, double turned_rad) {
+  const Eigen::Matrix<double, 1, 2> observation(1.0, -std::abs(turned_rad));
+  const Eigen::Matrix<double, 1, 1> residual(log_scale - observation * state_.mean);
   constexpr double kBoundSd = 2.5;
-  const double off = std::abs(residual(0)) / std::sqrt(state_.covariance(0, 0) + sd * sd);
+  const double off =
+      std::abs(residual(0)) / std::sqrt((observation * state_.covariance * observation.transpose())(0) + sd * sd);
   const Eigen::Matrix<double, 1, 1> noise(sd * sd * std::max(1.0, off / kBoundSd));
   state_ = groundscale::update<2, 1>(state_, observation, residual, noise);
 }
 
 double MapScaleFilter::sd() const { return std::sqrt(std::max(0.0, state_.covariance(0, 0))); }
+
+double MapScaleFilter::drift_per_rad_sd() const { return std::sqrt(std::max(0.0, state_.covariance(1, 1))); }
 
 void MapScaleFilter::keep() {
   kept_.push_back({transition_, predicted_, state_, started_});
