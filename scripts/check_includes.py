@@ -16,7 +16,7 @@ import sys
 THIRD_PARTIES = {
     "Eigen/": None,
     "fmt/": None,
-    "opencv2/": {"io", "tracking", "plane", "road", "report", "tests"},
+    "opencv2/": {"io", "tracking", "plane", "road", "mapping", "report", "tests"},
     "yaml-cpp/": {"io"},
     "nlohmann/": {"io", "odometry", "evaluation", "experiments"},
     "opengv/": {"motion", "mapping"},

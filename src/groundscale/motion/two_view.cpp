@@ -228,10 +228,10 @@ RotationFit fit_rotation(const std::vector<RayPair>& pairs, double focal_px) {
   return fit;
 }
 
-bool has_stood_still(const std::vector<RayPair>& pairs, double focal_px, const MotionOptions& options) {
+bool has_stood_still(const std::vector<RayPair>& pairs, double focal_px, const MotionOptions& options, double share) {
   std::vector<double> moved;
   for (const RayPair& pair : pairs) moved.push_back(focal_px * (pair.ray2 - pair.ray1).norm());
-  return !moved.empty() && quantile(moved, 0.75) < options.still_px;
+  return !moved.empty() && quantile(moved, share) < options.still_px;
 }
 
 TwoViewMotion estimate_motion(const std::vector<RayPair>& pairs, double focal_px, const MotionOptions& options,

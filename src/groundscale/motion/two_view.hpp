@@ -57,8 +57,11 @@ struct RotationFit {
 };
 RotationFit fit_rotation(const std::vector<RayPair>& pairs, double focal_px);
 
-/// Whether three quarters of the points have moved less than `still_px`; false without points.
-bool has_stood_still(const std::vector<RayPair>& pairs, double focal_px, const MotionOptions& options);
+/// Whether a share of the points has moved less than `still_px`; false without points.
+bool has_stood_still(const std::vector<RayPair>& pairs, double focal_px, const MotionOptions& options,
+                     double share = 0.75);
+/// The share for a camera that stood before: a car that passes takes many points along.
+inline constexpr double kShareAtHalt = 0.5;
 
 /// R and t (|t| = 1) between two views: five-point RANSAC (Nister 2004) on unit rays, then all inliers by Sampson's
 /// error with a Cauchy loss. Standing still and pure rotation are told apart first; no direction is invented for them.

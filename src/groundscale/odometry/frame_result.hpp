@@ -20,6 +20,9 @@ enum class FrameState {
 };
 std::string_view name_of(FrameState state);
 
+/// Reason of a frame that has not moved since the one before.
+inline constexpr std::string_view kStandingStill = "standing still";
+
 /// One frame of a drive. Poses have no scale of their own: a link to an earlier frame, and the length of the step to
 /// the frame before; metres are made at output, so a correction of scale is one number a frame.
 struct FrameResult {

@@ -65,6 +65,7 @@ const FrameResult& KeyframeOdometry::advance(const Frame& frame, const Image& ro
   details_ = {};
   clock_.skip();
   Recent present{frame, road_mask, {}, static_cast<int>(results_.size())};
+  const Tracker before = tracker_;
   if (!frame.image.empty()) {
     tracker_.advance(Pyramid(frame.image, options_.tracking.klt.levels, options_.tracking.klt.window_px),
                      tracking_mask_);
@@ -77,7 +78,10 @@ const FrameResult& KeyframeOdometry::advance(const Frame& frame, const Image& ro
   result.scaled = scaled_;
   result.tracks = static_cast<int>(present.tracked.points.size());
   result.tracks_kept = present.tracked.followed;
-  const FrameResult& done = mapping_ ? map_frame(std::move(result), present) : bridge(present);
+  const bool has_map = mapping_ || lost_since_s_;
+  const FrameResult& done = has_map ? map_frame(std::move(result), present) : bridge(present);
+  // At a halt all frames are compared with its first one: tracks don't creep away, nor do cars that pass wipe them out.
+  if (done.state == FrameState::kStill && done.reason == kStandingStill) tracker_ = before;
   if (!frame.image.empty() && done.state != FrameState::kStill) {
     constexpr std::size_t kRecentFrames = 40;
     recent_.push_back(std::move(present));
@@ -100,7 +104,8 @@ RigidTransform KeyframeOdometry::predicted_pose(double time_s) const {
 bool KeyframeOdometry::stands_still(const TrackedPoints& tracked) const {
   Matches matches = match_by_id(halt_points_, tracked.points);
   std::erase_if(matches, [this](const Match& match) { return map_.point_of(match.id) == nullptr; });
-  return has_stood_still(ray_pairs(matches, *camera_), camera_->focal_px(), options_.motion);
+  const double share = results_.back().state == FrameState::kStill ? kShareAtHalt : 0.75;
+  return has_stood_still(ray_pairs(matches, *camera_), camera_->focal_px(), options_.motion, share);
 }
 
 std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& tracked, double time_s,
@@ -155,26 +160,29 @@ bool KeyframeOdometry::wants_keyframe(const TrackedPoints& tracked) const {
          options_.keyframe.min_parallax_px;
 }
 
-const FrameResult& KeyframeOdometry::map_frame(FrameResult result, const Recent& present) {
+const FrameResult& KeyframeOdometry::map_frame(FrameResult result, Recent& present) {
   const double time_s = present.frame.time_s;
-  if (present.frame.image.empty()) return coast(std::move(result), present, present.frame.problem);
+  if (present.frame.image.empty() && mapping_) return coast(std::move(result), present, present.frame.problem);
   TrailFrame here{present.index, time_s, trail_.back().cam_from_world, trail_.back().keyframe, {}};
-  if (stands_still(present.tracked)) {
+  if (mapping_ && stands_still(present.tracked)) {
     here.cam_from_keyframe = trail_.back().cam_from_keyframe;
     result.state = FrameState::kStill;
-    result.reason = "standing still";
+    result.reason = kStandingStill;
+    located_ = present.index;
     result.online_step_sd = 0.0;
     links_.push_back({present.index - 1, {}, 1.0, false, false, {}});
     keeper_.pass(time_s, 0.0);
     trail_.back().time_s = time_s;
     return append(std::move(result), online_poses_.back());
   }
-  const auto pose = locate(present.tracked, time_s, result);
+  auto pose = mapping_ ? locate(present.tracked, time_s, result) : std::nullopt;
+  if (!pose) pose = find_again(present, result);
   clock_.lap("pose");
   if (!pose) {
-    lose_map(present);
+    if (mapping_) lose_map(present);
     return bridge(present);
   }
+  close_gap(present, *pose);
   result.state = FrameState::kMoving;
   here.cam_from_world = *pose;
   here.keyframe = map_.keyframes().back().serial;

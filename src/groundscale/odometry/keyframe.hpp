@@ -9,6 +9,7 @@
 
 #include "groundscale/core/rng.hpp"
 #include "groundscale/mapping/local_map.hpp"
+#include "groundscale/mapping/relocalise.hpp"
 #include "groundscale/mapping/resection.hpp"
 #include "groundscale/mapping/road_tracks.hpp"
 #include "groundscale/odometry/mounting_estimate.hpp"
@@ -74,11 +75,16 @@ class KeyframeOdometry final : public Odometry {
   const FrameResult& bridge(const Recent& present);
   void adopt_pairwise_scale();
   void close_bridge();
+  RigidTransform pairwise_pose(std::size_t k) const;
   bool start_map(const Recent& present);
+  void begin_trail();
   void lose_map(const Recent& present);
+  std::optional<RigidTransform> find_again(Recent& present, FrameResult& result);
+  void remember_views();
+  void close_gap(const Recent& present, const RigidTransform& cam_from_world);
 
   // Mapping.
-  const FrameResult& map_frame(FrameResult result, const Recent& present);
+  const FrameResult& map_frame(FrameResult result, Recent& present);
   std::optional<RigidTransform> locate(const TrackedPoints& tracked, double time_s, FrameResult& result);
   RigidTransform predicted_pose(double time_s) const;
   bool stands_still(const TrackedPoints& tracked) const;
@@ -109,7 +115,7 @@ class KeyframeOdometry final : public Odometry {
   std::shared_ptr<RoadDetector> detector_;
   MountingEstimate mounting_;
   std::unique_ptr<PairwiseOdometry> pairwise_;
-  int bridge_first_ = 0;        ///< Result of the frame that the pairwise odometry took first.
+  std::vector<int> bridged_;    ///< Results of the frames that the pairwise odometry has taken.
   double bridge_unit_m_ = 1.0;  ///< Metres per unit of the pairwise odometry while it has no scale of its own.
 
   LocalMap map_;
@@ -125,6 +131,9 @@ class KeyframeOdometry final : public Odometry {
   bool correction_open_ = false;         ///< The last one waits for its first measurement.
   std::vector<TrackPoint> halt_points_;  ///< Of the last frame that moved.
   bool mapping_ = false;
+  std::optional<double> lost_since_s_;  ///< The map carries no frames, but may be found again.
+  std::vector<MapView> lost_views_;     ///< What it looked like.
+  int located_ = 0;                     ///< Result of the last frame that the map has located.
 
   std::vector<FrameResult> results_;
   std::vector<Link> links_;

@@ -90,8 +90,7 @@ void KeyframeOdometry::measure_road(FrameResult& result, const Recent& present, 
 
   std::vector<RigidTransform> cam_from_world;
   for (const TrailFrame& frame : trail_) {
-    while (!cam_from_world.empty() &&
-           trail_.front().index + static_cast<int>(cam_from_world.size()) < frame.index) {
+    while (!cam_from_world.empty() && trail_.front().index + static_cast<int>(cam_from_world.size()) < frame.index) {
       cam_from_world.push_back(cam_from_world.back());  // of a frame that stood
     }
     cam_from_world.push_back(frame.cam_from_world);
@@ -125,9 +124,9 @@ void KeyframeOdometry::measure_road(FrameResult& result, const Recent& present, 
 
   // What lies too far behind for the plane is forgotten.
   constexpr double kKeptM = 25.0;
-  while (trail_.size() > 3 && unit_m * (trail_[0].cam_from_world.inverse().translation -
-                                        here.cam_from_world.inverse().translation)
-                                           .norm() > kKeptM) {
+  while (trail_.size() > 3 &&
+         unit_m * (trail_[0].cam_from_world.inverse().translation - here.cam_from_world.inverse().translation).norm() >
+             kKeptM) {
     trail_.pop_front();
   }
   road_.forget_before(trail_.front().index);

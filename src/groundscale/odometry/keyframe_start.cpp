@@ -1,17 +1,28 @@
 // How the keyframe odometry gets along without a map: frames carried by the pairwise odometry, a map begun and lost.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include "groundscale/geometry/so3.hpp"
 #include "groundscale/odometry/keyframe.hpp"
 
 namespace groundscale {
+namespace {
+
+double time_between(double earlier_s, double later_s) {
+  constexpr double kMinStepTimeS = 1e-3;
+  return std::max(kMinStepTimeS, later_s - earlier_s);
+}
+
+}  // namespace
 
 const FrameResult& KeyframeOdometry::bridge(const Recent& present) {
   const bool was_scaled = pairwise_->scaled();
   FrameResult result = pairwise_->advance(present.frame, present.road_mask, present.tracked);
+  bridged_.push_back(present.index);
   details_ = pairwise_->details();
   clock_.lap("bridging");
   const std::vector<RigidTransform>& poses = pairwise_->online_poses();
@@ -21,7 +32,11 @@ const FrameResult& KeyframeOdometry::bridge(const Recent& present) {
     if (!pairwise_->scaled()) step.translation *= bridge_unit_m_;
   }
   links_.push_back({present.index - 1, step, 1.0, false, false, {}});
-  keeper_.skip();
+  if (lost_since_s_) {
+    keeper_.pass(present.frame.time_s, 0.0);  // the map's scale still counts where it is found again
+  } else {
+    keeper_.skip();
+  }
   append(std::move(result), online_poses_.empty() ? RigidTransform{} : online_poses_.back() * step);
   if (!was_scaled && pairwise_->scaled() && !scaled_) adopt_pairwise_scale();
   if (scaled_ && results_.back().state == FrameState::kMoving && start_map(present)) close_bridge();
@@ -47,31 +62,40 @@ void KeyframeOdometry::close_bridge() {
   pairwise_->finish();
   const std::vector<RigidTransform> poses = pairwise_->final_poses();
   for (std::size_t k = 1; k < poses.size(); ++k) {
-    const std::size_t index = static_cast<std::size_t>(bridge_first_) + k;
-    if (index >= links_.size() || links_[index].by_map) continue;
+    const auto index = static_cast<std::size_t>(bridged_[k]);
+    if (links_[index].by_map) continue;
     RigidTransform step = poses[k - 1].inverse() * poses[k];
     if (!pairwise_->scaled()) step.translation *= bridge_unit_m_;
     links_[index].reference_from_cam = step;
   }
 }
 
+/// world_from_cam of one of the frames that the pairwise odometry has taken, in its own world, as metric as it knows.
+RigidTransform KeyframeOdometry::pairwise_pose(std::size_t k) const {
+  RigidTransform pose = pairwise_->online_poses()[k];
+  if (!pairwise_->scaled()) pose.translation *= bridge_unit_m_;
+  return pose;
+}
+
 bool KeyframeOdometry::start_map(const Recent& present) {
   // The view with most parallax among those that still share enough points.
   const KeyframeOptions& options = options_.keyframe;
   const Recent* first = nullptr;
+  std::size_t first_bridged = 0;
   std::vector<RayPair> rays;
   for (const Recent& candidate : recent_) {
-    if (candidate.index < bridge_first_) continue;
+    const auto bridged = std::lower_bound(bridged_.begin(), bridged_.end(), candidate.index);
+    if (bridged == bridged_.end() || *bridged != candidate.index) continue;
     const Matches matches = match_by_id(candidate.tracked.points, present.tracked.points);
     if (static_cast<int>(matches.size()) < options.start_matches) continue;
     rays = ray_pairs(matches, *camera_);
     if (fit_rotation(rays, camera_->focal_px()).parallax_px < options.start_parallax_px) break;
     first = &candidate;
+    first_bridged = static_cast<std::size_t>(bridged - bridged_.begin());
     break;
   }
   if (first == nullptr) return false;
-  const RigidTransform& world_from_first = online_poses_[static_cast<std::size_t>(first->index)];
-  const RigidTransform present_from_first = online_poses_.back().inverse() * world_from_first;
+  const RigidTransform present_from_first = pairwise_pose(bridged_.size() - 1).inverse() * pairwise_pose(first_bridged);
   RigidTransform guess = present_from_first;
   guess.translation.normalize();
   const TwoViewMotion motion = estimate_motion(rays, camera_->focal_px(), options_.motion, rng_, guess);
@@ -80,8 +104,11 @@ bool KeyframeOdometry::start_map(const Recent& present) {
   metric.translation *= present_from_first.translation.norm();
 
   map_.clear();
+  lost_since_s_.reset();
+  lost_views_.clear();
+  const RigidTransform world_from_first = online_poses_.back() * metric;
   const int first_serial = map_.add(first->index, world_from_first.inverse(), first->tracked.points);
-  const int serial = map_.add(present.index, metric * world_from_first.inverse(), present.tracked.points);
+  const int serial = map_.add(present.index, online_poses_.back().inverse(), present.tracked.points);
   map_.triangulate();
   map_.adjust();
   if (map_.point_count() < options.start_points) {
@@ -89,16 +116,10 @@ bool KeyframeOdometry::start_map(const Recent& present) {
     return false;
   }
   mapping_ = true;
+  located_ = present.index;
   mounting_ = pairwise_->mounting_estimate();
   keeper_.start(1.0, options_.scale.filter.start_sd);
-  trail_.clear();
-  constexpr double kTrailM = 15.0;
-  std::size_t oldest = online_poses_.size() - 1;
-  while (oldest > 0 && (online_poses_[oldest].translation - online_poses_.back().translation).norm() < kTrailM)
-    --oldest;
-  for (std::size_t k = oldest; k < online_poses_.size(); ++k) {
-    trail_.push_back({static_cast<int>(k), results_[k].time_s, online_poses_[k].inverse(), -1, {}});
-  }
+  begin_trail();
   trail_.back().keyframe = serial;
   keyframes_m_.clear();
   keyframes_m_[first_serial] = world_from_first;
@@ -116,9 +137,26 @@ bool KeyframeOdometry::start_map(const Recent& present) {
   return true;
 }
 
+/// The way that the pairwise odometry has seen, up to the present frame.
+void KeyframeOdometry::begin_trail() {
+  constexpr double kTrailM = 15.0;
+  trail_.clear();
+  std::size_t oldest = bridged_.size() - 1;
+  const RigidTransform world_from_pairwise = online_poses_.back() * pairwise_pose(oldest).inverse();
+  const Eigen::Vector3d& here = online_poses_.back().translation;
+  const auto pose_of = [&](std::size_t k) { return world_from_pairwise * pairwise_pose(k); };
+  while (oldest > 0 && (pose_of(oldest).translation - here).norm() < kTrailM) --oldest;
+  for (std::size_t k = oldest; k < bridged_.size(); ++k) {
+    const FrameResult& result = results_[static_cast<std::size_t>(bridged_[k])];
+    trail_.push_back({bridged_[k], result.time_s, pose_of(k).inverse(), -1, {}});
+  }
+}
+
 /// The pairwise odometry goes on from the last frames that the map carried.
 void KeyframeOdometry::lose_map(const Recent& present) {
   mapping_ = false;
+  lost_since_s_ = present.frame.time_s;
+  road_.clear();
   CameraSetup setup = setup_;
   const Mounting mounting = mounting_.mounting();
   setup.pitch_rad = mounting.pitch_rad;
@@ -128,24 +166,100 @@ void KeyframeOdometry::lose_map(const Recent& present) {
   GS_CHECK(pairwise.has_value(), "what could be created once can be created again");
   pairwise_ = std::make_unique<PairwiseOdometry>(std::move(*pairwise));
   pairwise_->share_detector(detector_);
+  bridged_.clear();
   constexpr std::size_t kReplayed = 4;
-  std::size_t begin = recent_.size() - std::min(recent_.size(), kReplayed);
-  // Only frames without a gap, up to the one before the present.
-  while (begin < recent_.size() && present.index - recent_[begin].index != static_cast<int>(recent_.size() - begin)) {
-    ++begin;
-  }
-  bridge_first_ = begin < recent_.size() ? recent_[begin].index : present.index;
+  auto seen = recent_.end() - static_cast<std::ptrdiff_t>(std::min(recent_.size(), kReplayed));
   double replayed_units = 0.0;
   double replayed_m = 0.0;
-  for (std::size_t k = begin; k < recent_.size(); ++k) {
-    pairwise_->advance(recent_[k].frame, recent_[k].road_mask, recent_[k].tracked);
-    if (k == begin) continue;
-    replayed_units += pairwise_->results().back().online_step_m;
-    replayed_m += results_[static_cast<std::size_t>(recent_[k].index)].online_step_m;
+  for (int k = seen == recent_.end() ? present.index : seen->index; k < present.index; ++k) {
+    const FrameResult& known = results_[static_cast<std::size_t>(k)];
+    if (seen != recent_.end() && seen->index == k) {
+      pairwise_->advance(seen->frame, seen->road_mask, seen->tracked);
+      ++seen;
+    } else if (known.state != FrameState::kStill) {
+      pairwise_->advance({known.frame, known.time_s, {}, known.reason}, {}, {});
+    } else {
+      continue;  // nothing has moved
+    }
+    if (!bridged_.empty()) {
+      replayed_units += pairwise_->results().back().online_step_m;
+      replayed_m += known.online_step_m;
+    }
+    bridged_.push_back(k);
   }
   bridge_unit_m_ = replayed_units > 0.0 ? replayed_m / replayed_units : 1.0;
-  map_.clear();
-  road_.clear();
+}
+
+/// The map as the last frames that it located saw it, for a frame that has lost it.
+void KeyframeOdometry::remember_views() {
+  lost_views_.clear();
+  constexpr std::array<int, 3> kFramesBack{0, 5, 15};
+  for (const int back : kFramesBack) {
+    const auto seen = std::find_if(recent_.rbegin(), recent_.rend(),
+                                   [this, back](const Recent& recent) { return recent.index <= located_ - back; });
+    if (seen == recent_.rend()) break;
+    MapView view{seen->frame.image, {}};
+    for (const TrackPoint& track : seen->tracked.points) {
+      const Eigen::Vector3d* point = map_.point_of(track.id);
+      if (point != nullptr) view.landmarks.push_back({track.id, track.pixel, *point});
+    }
+    lost_views_.push_back(std::move(view));
+  }
+}
+
+/// Pose of a frame that has lost the map, by what the map looked like; its landmarks are followed again from here.
+std::optional<RigidTransform> KeyframeOdometry::find_again(Recent& present, FrameResult& result) {
+  const double time_s = present.frame.time_s;
+  if (mapping_) remember_views();
+  constexpr double kLongestS = 5.0;
+  if (lost_since_s_ && time_s - *lost_since_s_ > kLongestS) {
+    lost_since_s_.reset();
+    lost_views_.clear();
+  }
+  constexpr std::size_t kLeastTracks = 30;  // else there is nothing to see
+  if (lost_views_.empty() || present.frame.image.empty() || present.tracked.points.size() < kLeastTracks) {
+    return std::nullopt;
+  }
+  auto found =
+      relocalise(lost_views_, present.frame.image, *camera_, predicted_pose(time_s), options_.keyframe.resection, rng_);
+  if (!found) return std::nullopt;
+  tracker_.revive(found->sights);
+  present.tracked = {tracker_.points(), tracker_.followed()};
+  result.reason.clear();
+  result.matches = static_cast<int>(found->sights.size());
+  result.inliers = result.matches;
+  result.rms_px = found->pose.rms_px;
+  result.tracks = static_cast<int>(present.tracked.points.size());
+  result.tracks_kept = present.tracked.followed;
+  return found->pose.cam_from_world;
+}
+
+/// The map carries frames again: those since it was lost lie evenly between the last one that it located and this one.
+void KeyframeOdometry::close_gap(const Recent& present, const RigidTransform& cam_from_world) {
+  const int gap = present.index - located_ - 1;
+  lost_since_s_.reset();
+  lost_views_.clear();
+  mapping_ = true;
+  while (trail_.size() > 1 && trail_.back().index > located_) trail_.pop_back();
+  if (gap > 0) {
+    const TrailFrame& from = trail_.back();
+    const Keyframe& keyframe = map_.keyframes().back();
+    const RigidTransform motion = cam_from_world * from.cam_from_world.inverse();
+    const double span_s = time_between(from.time_s, present.frame.time_s);
+    for (int k = located_ + 1; k < present.index; ++k) {
+      const auto index = static_cast<std::size_t>(k);
+      const double share = std::clamp((results_[index].time_s - from.time_s) / span_s, 0.0, 1.0);
+      const RigidTransform pose =
+          RigidTransform{exp_so3(share * log_so3(motion.rotation)), share * motion.translation} * from.cam_from_world;
+      const RigidTransform link = keyframe.cam_from_world * pose.inverse();
+      links_[index] = {keyframe.frame, link, keeper_.held(), true, false, {}};
+      results_[index].reference = keyframe.frame;
+      results_[index].reference_from_cam = link.rotation;
+      results_[index].direction_in_reference =
+          link.translation.norm() > 0.0 ? link.translation.normalized() : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    }
+  }
+  located_ = present.index;
 }
 
 }  // namespace groundscale

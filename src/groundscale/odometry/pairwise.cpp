@@ -125,7 +125,8 @@ const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& ro
     remember_view(frame, static_cast<int>(results_.size()) - 1);
     return results_.back();
   }
-  Pair pair = views_.pair_with(tracked_.points, *camera_);
+  const bool standing = results_.size() > 1 && results_.back().state == FrameState::kStill;
+  Pair pair = views_.pair_with(tracked_.points, *camera_, standing);
   result.matches = static_cast<int>(pair.matches.size());
   if (pair.motion.state != MotionState::kStill) {
     pair.motion = estimate_motion(pair.rays, camera_->focal_px(), options_.motion, rng_, last_motion_);
@@ -146,7 +147,9 @@ const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& ro
     case MotionState::kLost:
       break;
   }
-  if (same_image(views_.latest().road.image, frame.image)) return stand(std::move(result), frame);
+  // A frozen image; one without anything to see, such as a black one, says nothing of a camera that was moving.
+  const bool seeing = !tracked_.points.empty() || results_.back().state == FrameState::kStill;
+  if (seeing && same_image(views_.latest().road.image, frame.image)) return stand(std::move(result), frame);
   return bridge(std::move(result), pair.motion.reason, frame);
 }
 
@@ -210,7 +213,7 @@ std::optional<RoadWarp> PairwiseOdometry::warp_from_latest_view() const {
 
 const FrameResult& PairwiseOdometry::stand(FrameResult result, const Frame& frame) {
   result.state = FrameState::kStill;
-  result.reason = "standing still";
+  result.reason = kStandingStill;
   result.reference = static_cast<int>(results_.size()) - 1;
   filter_->stand(time_since_last(frame));
   bridged_in_a_row_ = 0;

@@ -11,15 +11,16 @@ void Views::push(View view) {
   while (static_cast<int>(views_.size()) > options_.max_frames) views_.pop_front();
 }
 
-Pair Views::pair_with(const std::vector<TrackPoint>& points, const Camera& camera) {
+Pair Views::pair_with(const std::vector<TrackPoint>& points, const Camera& camera, bool standing) {
   Pair best;
+  const double share = standing ? kShareAtHalt : 0.75;
   double best_parallax = -1.0;
   for (auto view = views_.rbegin(); view != views_.rend(); ++view) {
     Matches matches = match_by_id(view->points, points);
     if (best.partner != nullptr && static_cast<int>(matches.size()) < options_.min_matches) break;
     std::vector<RayPair> rays = ray_pairs(matches, camera);
     const bool latest = view == views_.rbegin();
-    if (latest && has_stood_still(rays, camera.focal_px(), motion_)) {
+    if (latest && has_stood_still(rays, camera.focal_px(), motion_, share)) {
       best = {&*view, std::move(matches), std::move(rays), {}};
       best.motion.state = MotionState::kStill;
       return best;

@@ -40,7 +40,8 @@ class Views {
 
   /// The latest view with `min_parallax_px` to the points; where none has so much, the one with most. The pair's motion
   /// says `still` where the points have not moved since the latest view.
-  Pair pair_with(const std::vector<TrackPoint>& points, const Camera& camera);
+  /// @param standing  Whether the camera stood in the frame before.
+  Pair pair_with(const std::vector<TrackPoint>& points, const Camera& camera, bool standing = false);
 
  private:
   PairOptions options_;

@@ -85,6 +85,17 @@ void Tracker::follow(const Pyramid& next, const Image& mask) {
   followed_ = static_cast<int>(points_.size());
 }
 
+void Tracker::revive(const std::vector<TrackPoint>& points) {
+  for (const TrackPoint& point : points) {
+    const auto place = std::lower_bound(points_.begin(), points_.end(), point.id,
+                                        [](const TrackPoint& other, TrackId id) { return other.id < id; });
+    if (place != points_.end() && place->id == point.id) continue;
+    steps_.insert(steps_.begin() + (place - points_.begin()), std::nullopt);
+    points_.insert(place, point);
+    ++followed_;
+  }
+}
+
 void Tracker::replenish(const Pyramid& frame, const Image& mask) {
   const int missing = options_.max_tracks - static_cast<int>(points_.size());
   if (missing <= 0) return;

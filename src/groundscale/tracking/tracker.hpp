@@ -20,7 +20,7 @@ struct TrackingOptions {
 
 void visit_fields(TrackingOptions& options, FieldVisitor& visitor);
 
-/// Points followed from frame to frame over the whole image, each under an id of its own that never comes again.
+/// Points followed from frame to frame over the whole image, each under an id of its own that no other point ever has.
 class Tracker {
  public:
   explicit Tracker(const TrackingOptions& options) : options_(options) {}
@@ -28,6 +28,10 @@ class Tracker {
   /// Follows the tracks into the next frame and starts new ones where they have thinned out.
   /// @param mask  Where points are wanted (not 0); empty: everywhere.
   void advance(const Pyramid& next, const Image& mask);
+
+  /// Puts points back under the ids that they had before they were lost, at pixels of the present frame; those whose id
+  /// is still followed are left as they are.
+  void revive(const std::vector<TrackPoint>& points);
 
   /// All tracks of the present frame, ids ascending.
   const std::vector<TrackPoint>& points() const { return points_; }

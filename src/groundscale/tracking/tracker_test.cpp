@@ -68,6 +68,25 @@ TEST(Tracker, AnIdThatIsLostNeverComesAgain) {
   EXPECT_TRUE(any_lost);
 }
 
+TEST(Tracker, RevivedPointsAreFollowedUnderTheirOldIds) {
+  const TrackingOptions options;
+  Tracker tracker(options);
+  tracker.advance(frame(0, options), {});
+  const std::vector<TrackPoint> before = tracker.points();
+  ASSERT_GT(before.size(), 20U);
+  tracker.advance(Pyramid(Image(kWidth, kHeight), options.klt.levels, options.klt.window_px), {});
+  ASSERT_TRUE(tracker.points().empty());
+  tracker.advance(frame(0, options), {});
+  ASSERT_GT(tracker.points().front().id, before.back().id);
+  const std::size_t others = tracker.points().size();
+  tracker.revive(before);
+  tracker.revive({{before.front().id, {1.0, 1.0}}});  // still followed: it stays where it is
+  EXPECT_EQ(tracker.points().size(), others + before.size());
+  EXPECT_EQ(tracker.points().front().pixel, before.front().pixel);
+  tracker.advance(frame(0, options), {});
+  EXPECT_EQ(match_by_id(before, tracker.points()).size(), before.size());
+}
+
 TEST(Tracker, KeepsNoPointWhereTheMaskForbidsIt) {
   const TrackingOptions options;
   Image mask(kWidth, kHeight);
