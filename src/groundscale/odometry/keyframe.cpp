@@ -161,21 +161,9 @@ bool KeyframeOdometry::wants_keyframe(const TrackedPoints& tracked) const {
 }
 
 const FrameResult& KeyframeOdometry::map_frame(FrameResult result, Recent& present) {
-  const double time_s = present.frame.time_s;
   if (present.frame.image.empty() && mapping_) return coast(std::move(result), present, present.frame.problem);
-  TrailFrame here{present.index, time_s, trail_.back().cam_from_world, trail_.back().keyframe, {}};
-  if (mapping_ && stands_still(present.tracked)) {
-    here.cam_from_keyframe = trail_.back().cam_from_keyframe;
-    result.state = FrameState::kStill;
-    result.reason = kStandingStill;
-    located_ = present.index;
-    result.online_step_sd = 0.0;
-    links_.push_back({present.index - 1, {}, 1.0, false, false, {}});
-    keeper_.pass(time_s, 0.0);
-    trail_.back().time_s = time_s;
-    return append(std::move(result), online_poses_.back());
-  }
-  auto pose = mapping_ ? locate(present.tracked, time_s, result) : std::nullopt;
+  if (mapping_ && stands_still(present.tracked)) return stand(std::move(result), present);
+  auto pose = mapping_ ? locate(present.tracked, present.frame.time_s, result) : std::nullopt;
   if (!pose) pose = find_again(present, result);
   clock_.lap("pose");
   if (!pose) {
@@ -184,42 +172,51 @@ const FrameResult& KeyframeOdometry::map_frame(FrameResult result, Recent& prese
   }
   close_gap(present, *pose);
   result.state = FrameState::kMoving;
-  here.cam_from_world = *pose;
-  here.keyframe = map_.keyframes().back().serial;
-  here.cam_from_keyframe = *pose * map_.keyframes().back().cam_from_world.inverse();
-  trail_.push_back(here);
+  const Keyframe& keyframe = map_.keyframes().back();
+  const RigidTransform cam_from_keyframe = *pose * keyframe.cam_from_world.inverse();
+  trail_.push_back({present.index, present.frame.time_s, *pose, keyframe.serial, cam_from_keyframe});
   halt_points_ = present.tracked.points;
   const bool look = follow_road(present);
-  const double unit_m = keeper_.held();
-  Link link{map_.keyframes().back().frame, here.cam_from_keyframe.inverse(), unit_m, true, false, {}};
-  if (wants_keyframe(present.tracked)) {
-    link.is_keyframe = true;
-    link.as_tracked = link.reference_from_cam;
-    add_keyframe(present, *pose);
-  }
-  links_.push_back(link);
+  links_.push_back({keyframe.frame, cam_from_keyframe.inverse(), keeper_.held(), true, false, {}});
+  if (wants_keyframe(present.tracked)) add_keyframe(present, *pose);
   refresh_poses();
   clock_.lap("map");
   measure_road(result, present, look);
   links_.back().unit_m = keeper_.held();
   refresh_poses();
-  const Link& placed = links_.back();
-  const Keyframe* reference = nullptr;
-  for (const Keyframe& keyframe : map_.keyframes()) {
-    if (keyframe.frame == placed.reference) reference = &keyframe;
-  }
-  const RigidTransform world_from_cam =
-      keyframes_m_.at(reference->serial) * in_metres(placed.reference_from_cam, placed.unit_m);
+  const RigidTransform world_from_cam = metric_pose(links_.back());
   if (result.raw_over_online) {
     // The measurement is of the map as it is now; the online step also makes up for what the frame before didn't know.
     const RigidTransform step = trail_[trail_.size() - 2].cam_from_world * trail_.back().cam_from_world.inverse();
     const double online = (world_from_cam.translation - online_poses_.back().translation).norm();
-    if (online > 0.0) *result.raw_over_online *= placed.unit_m * step.translation.norm() / online;
+    if (online > 0.0) *result.raw_over_online *= links_.back().unit_m * step.translation.norm() / online;
   }
   return append(std::move(result), world_from_cam);
 }
 
+const FrameResult& KeyframeOdometry::stand(FrameResult result, const Recent& present) {
+  result.state = FrameState::kStill;
+  result.reason = kStandingStill;
+  located_ = present.index;
+  links_.push_back({present.index - 1, {}, 1.0, false, false, {}});
+  keeper_.pass(present.frame.time_s, 0.0);
+  trail_.back().time_s = present.frame.time_s;
+  return append(std::move(result), online_poses_.back());
+}
+
+/// World_from_cam of a frame whose keyframe is in the map.
+RigidTransform KeyframeOdometry::metric_pose(const Link& link) const {
+  const auto& keyframes = map_.keyframes();
+  const auto reference = std::find_if(keyframes.begin(), keyframes.end(),
+                                      [&link](const Keyframe& keyframe) { return keyframe.frame == link.reference; });
+  GS_CHECK(reference != keyframes.end(), "a frame hangs on a keyframe of the map");
+  return keyframes_m_.at(reference->serial) * in_metres(link.reference_from_cam, link.unit_m);
+}
+
+/// The present frame, whose link is the latest, becomes a keyframe.
 void KeyframeOdometry::add_keyframe(const Recent& present, const RigidTransform& cam_from_world) {
+  links_.back().is_keyframe = true;
+  links_.back().as_tracked = links_.back().reference_from_cam;
   std::vector<TrackPoint> points = present.tracked.points;
   // Points of the road, which are tracked better than others so near, under ids beyond those of the tracker.
   constexpr TrackId kRoad = TrackId{1} << 40;

@@ -85,6 +85,8 @@ class KeyframeOdometry final : public Odometry {
 
   // Mapping.
   const FrameResult& map_frame(FrameResult result, Recent& present);
+  const FrameResult& stand(FrameResult result, const Recent& present);
+  RigidTransform metric_pose(const Link& link) const;
   std::optional<RigidTransform> locate(const TrackedPoints& tracked, double time_s, FrameResult& result);
   RigidTransform predicted_pose(double time_s) const;
   bool stands_still(const TrackedPoints& tracked) const;
