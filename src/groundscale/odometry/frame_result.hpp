@@ -48,12 +48,12 @@ struct FrameResult {
   std::optional<double> pitch_rad, roll_rad;
   std::optional<double> map_scale;    ///< Metres per unit of the map in force; keyframe mode.
   std::optional<double> drift_ratio;  ///< lambda, this frame's measured scale of the map over the one in force.
-  int tracks = 0;        ///< In this frame; of them
-  int tracks_kept = 0;   ///< followed from the frame before.
-  int matches = 0;       ///< With the partner,
-  int inliers = 0;       ///< and those that fit the motion,
-  double rms_px = 0.0;   ///< by their epipolar error.
-  int road_matches = 0;  ///< The same for the road and its plane, by their transfer error.
+  int tracks = 0;                     ///< In this frame; of them
+  int tracks_kept = 0;                ///< followed from the frame before.
+  int matches = 0;                    ///< With the partner,
+  int inliers = 0;                    ///< and those that fit the motion,
+  double rms_px = 0.0;                ///< by their epipolar error.
+  int road_matches = 0;               ///< The same for the road and its plane, by their transfer error.
   int road_inliers = 0;
   double road_rms_px = 0.0;
 

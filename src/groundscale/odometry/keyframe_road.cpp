@@ -138,7 +138,8 @@ void KeyframeOdometry::hold_by_ground(const ScaleReport& report) {
   const auto& keyframes = map_.keyframes();
   if (options_.odometry.scale_correction != ScaleCorrection::kContinuous || !report.reason.empty()) return;
   if (keyframes.back().frame != trail_.back().index || keyframes.size() < 2) return;
-  const RigidTransform step = keyframes[keyframes.size() - 2].cam_from_world * keyframes.back().cam_from_world.inverse();
+  const RigidTransform step =
+      keyframes[keyframes.size() - 2].cam_from_world * keyframes.back().cam_from_world.inverse();
   const double distance_m = *report.measured * step.translation.norm();
   if (distance_m > 0.0) map_.set_distance(distance_m, report.measured_sd / options_.keyframe.ground_weight);
 }

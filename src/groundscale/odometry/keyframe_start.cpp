@@ -78,7 +78,7 @@ RigidTransform KeyframeOdometry::pairwise_pose(std::size_t k) const {
 }
 
 bool KeyframeOdometry::start_map(const Recent& present) {
-  // The view with most parallax among those that still share enough points.
+  // The oldest view that still shares enough points: none has more parallax.
   const KeyframeOptions& options = options_.keyframe;
   const Recent* first = nullptr;
   std::size_t first_bridged = 0;
@@ -129,6 +129,8 @@ bool KeyframeOdometry::start_map(const Recent& present) {
   links_.back() = {first->index, link, 1.0, true, true, link};
   refresh_poses();
   online_poses_.back() = keyframes_m_.at(serial);
+  const std::size_t before = online_poses_.size() - 2;  // a map has two views
+  results_.back().online_step_m = (online_poses_.back().translation - online_poses_[before].translation).norm();
   halt_points_ = present.tracked.points;
   road_normal_in_world_.reset();
   pending_correction_.reset();

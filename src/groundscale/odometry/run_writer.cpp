@@ -34,14 +34,15 @@ std::string frames_csv(const std::vector<FrameResult>& results) {
     const bool step = r.scaled && !first;
     const bool raw = step && r.raw_over_online.has_value();
     const double raw_step = raw ? *r.raw_over_online * r.online_step_m : 0.0;
-    csv += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.frame, r.time_s, name_of(r.state), number(step, r.step_m),
-        number(step && r.step_sd > 0.0, r.step_sd * r.step_m), number(step, r.online_step_m), number(raw, raw_step),
-        number(raw, r.raw_sd * raw_step), number(r.pitch_rad.has_value(), r.pitch_rad.value_or(0.0) / kDegree),
-        number(r.roll_rad.has_value(), r.roll_rad.value_or(0.0) / kDegree), r.matches, r.road_matches, r.road_inliers,
-        internal::csv_text(r.reason), number(step && r.online_step_sd > 0.0, r.online_step_sd * r.online_step_m),
-        number(r.map_scale.has_value(), r.map_scale.value_or(0.0)),
-        number(r.drift_ratio.has_value(), r.drift_ratio.value_or(0.0)));
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.frame, r.time_s, name_of(r.state),
+                       number(step, r.step_m), number(step && r.step_sd > 0.0, r.step_sd * r.step_m),
+                       number(step, r.online_step_m), number(raw, raw_step), number(raw, r.raw_sd * raw_step),
+                       number(r.pitch_rad.has_value(), r.pitch_rad.value_or(0.0) / kDegree),
+                       number(r.roll_rad.has_value(), r.roll_rad.value_or(0.0) / kDegree), r.matches, r.road_matches,
+                       r.road_inliers, internal::csv_text(r.reason),
+                       number(step && r.online_step_sd > 0.0, r.online_step_sd * r.online_step_m),
+                       number(r.map_scale.has_value(), r.map_scale.value_or(0.0)),
+                       number(r.drift_ratio.has_value(), r.drift_ratio.value_or(0.0)));
     first = false;
   }
   return csv;
@@ -192,8 +193,7 @@ Result<void> RunWriter::write_rows(const Odometry& odometry, bool scaled) {
   return {};
 }
 
-Result<void> RunWriter::finish(const Odometry& odometry, const RunSummary& summary,
-                               const std::string& config_yaml) {
+Result<void> RunWriter::finish(const Odometry& odometry, const RunSummary& summary, const std::string& config_yaml) {
   if (const auto done = write_rows(odometry, odometry.scaled()); !done) return done;
   Trajectory trajectory;
   trajectory.world_from_cam = odometry.final_poses();
