@@ -214,7 +214,8 @@ void LocalMap::adjust() {
 }
 
 void LocalMap::drop_bad_sights() {
-  for (auto& [id, landmark] : landmarks_) {
+  for (auto& entry : landmarks_) {
+    Landmark& landmark = entry.second;
     if (!landmark.point_in_world) continue;
     const std::size_t before = landmark.sights.size();
     std::erase_if(landmark.sights, [this, &landmark](const Landmark::Sight& sight) {
