@@ -90,7 +90,7 @@ void Tracker::revive(const std::vector<TrackPoint>& points) {
     const auto place = std::lower_bound(points_.begin(), points_.end(), point.id,
                                         [](const TrackPoint& other, TrackId id) { return other.id < id; });
     if (place != points_.end() && place->id == point.id) continue;
-    steps_.insert(steps_.begin() + (place - points_.begin()), std::nullopt);
+    steps_.emplace(steps_.begin() + (place - points_.begin()));
     points_.insert(place, point);
     ++followed_;
   }
