@@ -147,6 +147,7 @@ std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& trac
           match != matches.end() && match->id == ids[i] ? *match : Match{ids[i], sights[i].pixel, sights[i].pixel});
     }
   }
+  details_.pairs = ray_pairs(details_.matches, *camera_);
   return found->cam_from_world;
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include <Eigen/Geometry>
 
@@ -119,6 +120,11 @@ void KeyframeOdometry::measure_road(FrameResult& result, const Recent& present, 
   clock_.lap("road points");
   const ScaleReport report = keeper_.advance(input);
   hold_by_ground(report);
+  std::set<TrackId> on_plane;
+  for (const int i : report.inliers) on_plane.insert(points[static_cast<std::size_t>(i)].id);
+  for (std::size_t i = 0; i < details_.road_matches.size(); ++i) {
+    if (on_plane.contains(details_.road_matches[i].id)) details_.road_inliers.push_back(static_cast<int>(i));
+  }
   take_report(result, report, path.curvature_per_m);
   clock_.lap("scale");
 
