@@ -18,6 +18,7 @@
 #include "groundscale/simulation/drive_simulation.hpp"
 #include "groundscale/simulation/renderer.hpp"
 #include "groundscale/simulation/sensor.hpp"
+#include "preset_setup.hpp"
 
 namespace groundscale {
 namespace {
@@ -282,14 +283,7 @@ double median_of(const std::vector<PlaneError>& errors, double PlaneError::*fiel
 }
 
 PairwiseOdometry odometry_for(const CameraPreset& camera) {
-  const Mounting mounting = camera.options.rig.mounting();
-  CameraSetup setup;
-  setup.camera = camera.camera;
-  setup.height_m = camera.options.rig.height_m;
-  setup.pitch_rad = mounting.pitch_rad;
-  setup.roll_rad = mounting.roll_rad;
-  setup.yaw_rad = mounting.yaw_rad;
-  return std::move(PairwiseOdometry::create(setup, {}).value());
+  return std::move(PairwiseOdometry::create(setup_of(camera), {}).value());
 }
 
 /// @param height_m  As measured with the length of the pair's step known.

@@ -15,6 +15,7 @@
 #include "groundscale/simulation/renderer.hpp"
 #include "groundscale/simulation/sensor.hpp"
 #include "groundscale/simulation/traffic.hpp"
+#include "preset_setup.hpp"
 
 namespace groundscale {
 
@@ -123,17 +124,6 @@ struct DriveRun {
   std::vector<FrameResult> results;
   std::vector<RigidTransform> online, finals;
 };
-
-inline CameraSetup setup_of(const CameraPreset& camera) {
-  const Mounting mounting = camera.options.rig.mounting();
-  CameraSetup setup;
-  setup.camera = camera.camera;
-  setup.height_m = camera.options.rig.height_m;
-  setup.pitch_rad = mounting.pitch_rad;
-  setup.roll_rad = mounting.roll_rad;
-  setup.yaw_rad = mounting.yaw_rad;
-  return setup;
-}
 
 inline DriveRun run(const Feed& feed, const CameraSetup& setup, const OdometryOptions& options = {}) {
   auto odometry = make_odometry(setup, options);

@@ -6,16 +6,12 @@
 #include <utility>
 
 #include <Eigen/Geometry>
-#include <fmt/format.h>
 
 #include "groundscale/geometry/so3.hpp"
+#include "groundscale/odometry/keyframe_internal.hpp"
 
 namespace groundscale {
 namespace {
-
-constexpr double kMinStepTimeS = 1e-3;
-
-double time_between(double earlier_s, double later_s) { return std::max(kMinStepTimeS, later_s - earlier_s); }
 
 RigidTransform in_metres(RigidTransform transform, double unit_m) {
   transform.translation *= unit_m;
@@ -97,8 +93,7 @@ RigidTransform KeyframeOdometry::predicted_pose(double time_s) const {
   const RigidTransform step = last.cam_from_world * before.cam_from_world.inverse();
   const double share = time_between(last.time_s, time_s) / time_between(before.time_s, last.time_s);
   constexpr double kMostShare = 20.0;
-  const double used = std::min(share, kMostShare);
-  return RigidTransform{exp_so3(used * log_so3(step.rotation)), used * step.translation} * last.cam_from_world;
+  return share_of(step, std::min(share, kMostShare)) * last.cam_from_world;
 }
 
 bool KeyframeOdometry::stands_still(const TrackedPoints& tracked) const {
@@ -180,11 +175,11 @@ const FrameResult& KeyframeOdometry::map_frame(FrameResult result, Recent& prese
   const bool look = follow_road(present);
   links_.push_back({keyframe.frame, cam_from_keyframe.inverse(), keeper_.held(), true, false, {}});
   if (wants_keyframe(present.tracked)) add_keyframe(present, *pose);
-  refresh_poses();
+  refresh_trail();
   clock_.lap("map");
   measure_road(result, present, look);
   links_.back().unit_m = keeper_.held();
-  refresh_poses();
+  place_keyframes();
   const RigidTransform world_from_cam = metric_pose(links_.back());
   if (result.raw_over_online) {
     // The measurement is of the map as it is now; the online step also makes up for what the frame before didn't know.
@@ -241,8 +236,16 @@ void KeyframeOdometry::correct_map() {
   while (trail_.size() > 2 && trail_.front().index < oldest.frame) trail_.pop_front();
 }
 
-/// Poses that hang on keyframes follow them.
-void KeyframeOdometry::refresh_poses() {
+/// Frames of the trail follow the keyframes that they hang on.
+void KeyframeOdometry::refresh_trail() {
+  for (TrailFrame& frame : trail_) {
+    const Keyframe* keyframe = frame.keyframe < 0 ? nullptr : map_.find(frame.keyframe);
+    if (keyframe != nullptr) frame.cam_from_world = frame.cam_from_keyframe * keyframe->cam_from_world;
+  }
+}
+
+/// Links of the map's keyframes, as they lie now, and their poses in metres.
+void KeyframeOdometry::place_keyframes() {
   const auto& keyframes = map_.keyframes();
   for (std::size_t k = 1; k < keyframes.size(); ++k) {
     Link& link = links_[static_cast<std::size_t>(keyframes[k].frame)];
@@ -252,10 +255,6 @@ void KeyframeOdometry::refresh_poses() {
         keyframes_m_.at(keyframes[k - 1].serial) * in_metres(before_from_cam, link.unit_m);
   }
   keyframes_m_.erase(keyframes_m_.begin(), keyframes_m_.lower_bound(keyframes.front().serial));
-  for (TrailFrame& frame : trail_) {
-    const Keyframe* keyframe = frame.keyframe < 0 ? nullptr : map_.find(frame.keyframe);
-    if (keyframe != nullptr) frame.cam_from_world = frame.cam_from_keyframe * keyframe->cam_from_world;
-  }
 }
 
 const FrameResult& KeyframeOdometry::coast(FrameResult result, const Recent& present, std::string reason) {

@@ -93,7 +93,8 @@ class KeyframeOdometry final : public Odometry {
   bool wants_keyframe(const TrackedPoints& tracked) const;
   void add_keyframe(const Recent& present, const RigidTransform& cam_from_world);
   void correct_map();
-  void refresh_poses();
+  void refresh_trail();
+  void place_keyframes();
   RigidTransform final_link(std::size_t index, const std::vector<int>& next_keyframe) const;
   const FrameResult& append(FrameResult result, const RigidTransform& world_from_cam_m);
   const FrameResult& coast(FrameResult result, const Recent& present, std::string reason);
@@ -140,7 +141,6 @@ class KeyframeOdometry final : public Odometry {
   std::vector<FrameResult> results_;
   std::vector<Link> links_;
   std::vector<RigidTransform> online_poses_, final_poses_;
-  std::vector<double> step_sds_;
   FrameDetails details_;
   StageClock clock_;
   bool scaled_ = false;

@@ -14,14 +14,6 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// How much a measurement says about the mounting: less in a turn, and less where it is uncertain.
-double mounting_weight(double curvature_per_m, double log_sd) {
-  constexpr double kStraightPerM = 0.02;  // a radius of 50 m counts half
-  constexpr double kPreciseSd = 0.03;
-  const double turn = curvature_per_m / kStraightPerM;
-  return std::min(1.0, std::pow(kPreciseSd / log_sd, 2)) / (1.0 + turn * turn);
-}
-
 }  // namespace
 
 std::vector<RigidTransform> KeyframeOdometry::trail_poses() const {

@@ -6,19 +6,10 @@
 
 #include <Eigen/Geometry>
 
-#include "groundscale/geometry/so3.hpp"
 #include "groundscale/odometry/keyframe.hpp"
+#include "groundscale/odometry/keyframe_internal.hpp"
 
 namespace groundscale {
-namespace {
-
-double time_between(double earlier_s, double later_s) {
-  constexpr double kMinStepTimeS = 1e-3;
-  return std::max(kMinStepTimeS, later_s - earlier_s);
-}
-
-}  // namespace
-
 const FrameResult& KeyframeOdometry::bridge(const Recent& present) {
   const bool was_scaled = pairwise_->scaled();
   FrameResult result = pairwise_->advance(present.frame, present.road_mask, present.tracked);
@@ -127,7 +118,8 @@ bool KeyframeOdometry::start_map(const Recent& present) {
   const Keyframe& b = map_.keyframes().back();
   const RigidTransform link = a.cam_from_world * b.cam_from_world.inverse();
   links_.back() = {first->index, link, 1.0, true, true, link};
-  refresh_poses();
+  refresh_trail();
+  place_keyframes();
   online_poses_.back() = keyframes_m_.at(serial);
   const std::size_t before = online_poses_.size() - 2;  // a map has two views
   results_.back().online_step_m = (online_poses_.back().translation - online_poses_[before].translation).norm();
@@ -251,8 +243,7 @@ void KeyframeOdometry::close_gap(const Recent& present, const RigidTransform& ca
     for (int k = located_ + 1; k < present.index; ++k) {
       const auto index = static_cast<std::size_t>(k);
       const double share = std::clamp((results_[index].time_s - from.time_s) / span_s, 0.0, 1.0);
-      const RigidTransform pose =
-          RigidTransform{exp_so3(share * log_so3(motion.rotation)), share * motion.translation} * from.cam_from_world;
+      const RigidTransform pose = share_of(motion, share) * from.cam_from_world;
       const RigidTransform link = keyframe.cam_from_world * pose.inverse();
       links_[index] = {keyframe.frame, link, keeper_.held(), true, false, {}};
       results_[index].reference = keyframe.frame;

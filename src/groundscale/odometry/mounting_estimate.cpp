@@ -1,8 +1,16 @@
 #include "groundscale/odometry/mounting_estimate.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace groundscale {
+
+double mounting_weight(double curvature_per_m, double log_sd) {
+  constexpr double kStraightPerM = 0.02;  // a radius of 50 m counts half
+  constexpr double kPreciseSd = 0.03;
+  const double turn = curvature_per_m / kStraightPerM;
+  return std::min(1.0, std::pow(kPreciseSd / log_sd, 2)) / (1.0 + turn * turn);
+}
 
 MountingEstimate::MountingEstimate(std::optional<double> pitch_rad, std::optional<double> roll_rad,
                                    std::optional<double> yaw_rad, int settle_after)

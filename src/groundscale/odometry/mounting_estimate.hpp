@@ -6,6 +6,10 @@
 
 namespace groundscale {
 
+/// How much a measurement says about the mounting, 0 to 1: less in a turn, and less where it is uncertain.
+/// @param log_sd  Of the measured step or scale.
+double mounting_weight(double curvature_per_m, double log_sd);
+
 /// The mounting angles: from the camera file, or found in the first accepted measurements and refined slowly.
 class MountingEstimate {
  public:

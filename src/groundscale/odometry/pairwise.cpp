@@ -17,14 +17,6 @@ namespace {
 constexpr double kMinStepTimeS = 1e-3;
 constexpr double kMinStructureParallaxPx = 3.0;
 
-/// How much a measurement says about the mounting: less in a turn, and less where its step is uncertain.
-double mounting_weight(double curvature_per_m, double log_step_sd) {
-  constexpr double kStraightPerM = 0.02;  // a radius of 50 m counts half
-  constexpr double kPreciseSd = 0.03;
-  const double turn = curvature_per_m / kStraightPerM;
-  return std::min(1.0, std::pow(kPreciseSd / log_step_sd, 2)) / (1.0 + turn * turn);
-}
-
 /// Turn over distance from one pose to the next; where the camera hardly moves that is noise, so no more than in the
 /// tightest turn of a road vehicle.
 double curvature_of(const RigidTransform& before, const RigidTransform& now) {

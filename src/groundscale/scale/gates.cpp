@@ -8,13 +8,10 @@
 #include <fmt/format.h>
 
 #include "groundscale/estimation/robust.hpp"
+#include "groundscale/scale/angle_internal.hpp"
 
 namespace groundscale {
 namespace {
-
-double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
-}
 
 std::string spread_refusal(const GateCandidate& candidate, const GateOptions& options) {
   std::vector<double> depths;

@@ -10,15 +10,12 @@
 #include "groundscale/core/check.hpp"
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/geometry/so3.hpp"
+#include "groundscale/scale/angle_internal.hpp"
 
 namespace groundscale {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-
-double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
-}
 
 }  // namespace
 
