@@ -72,7 +72,7 @@ void KeyframeOdometry::measure_road(FrameResult& result, const Recent& present, 
   const std::vector<RigidTransform> poses = trail_poses();
   const Trail trail = trail_of(poses, unit_m, options_.scale.tie_m + 1.0);
   DrivenPath path =
-      path_of_trail(trail, options_.scale.heading_m, road.normal_in_cam, mounting_.mounting().forward_in_cam());
+      path_of_trail(trail, options_.scale.ahead, road.normal_in_cam, mounting_.mounting().forward_in_cam());
   path.max_turn_rad = options_.road.region.max_turn_deg * kDegree;
   if (look) {
     details_.region = road_region(present, path, road);

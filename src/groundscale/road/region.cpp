@@ -72,6 +72,10 @@ void visit_fields(RegionOptions& options, FieldVisitor& visitor) {
                 options.polygon_px);
 }
 
+double DrivenPath::sd_m(double along_m) const {
+  return steady_m > 0.0 ? std::abs(curvature_per_m) * std::pow(std::max(0.0, along_m), 3) / (6.0 * steady_m) : 0.0;
+}
+
 DrivenPath path_of_motion(const RigidTransform& metric_cam2_from_cam1, const Eigen::Vector3d& normal_in_cam,
                           const Eigen::Vector3d& mounting_forward_in_cam) {
   const Eigen::Vector3d on_road =
@@ -141,8 +145,9 @@ Image region_mask(const DrivenPath& path, const GroundPlane& metric_road, const 
   std::optional<Eigen::Vector2d> last_left;
   std::optional<Eigen::Vector2d> last_right;
   for (double along = options.near_m; along < far_m + 0.5 * kPieceM; along += kPieceM) {
-    const auto left = camera.project(point_on_path(path, metric_road, along, -options.half_width_m));
-    const auto right = camera.project(point_on_path(path, metric_road, along, options.half_width_m));
+    const double aside_m = options.half_width_m + std::min(options.half_width_m, path.sd_m(along));
+    const auto left = camera.project(point_on_path(path, metric_road, along, -aside_m));
+    const auto right = camera.project(point_on_path(path, metric_road, along, aside_m));
     if (left && right && last_left && last_right) {
       quads.push_back({fixed_point(*last_left), fixed_point(*left), fixed_point(*right), fixed_point(*last_right)});
     }

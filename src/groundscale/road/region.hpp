@@ -30,6 +30,11 @@ struct DrivenPath {
   Eigen::Vector3d forward_in_cam = Eigen::Vector3d::UnitZ();  ///< Unit tangent along the road at the camera.
   double curvature_per_m = 0.0;                               ///< > 0 turns right (about the normal that points down).
   double max_turn_rad = 0.5;  ///< The arc ends after this turn and the path goes straight on.
+  /// Way over which the curvature is expected to change by as much as itself; 0: it stays as it is.
+  double steady_m = 0.0;
+
+  /// By how far the vehicle is expected to leave the arc (sd): |curvature| s^3 / (6 steady_m), s = along_m.
+  double sd_m(double along_m) const;
 };
 
 /// Path ahead of camera 1 from the motion to camera 2: chord and turn of the step in between; for a vehicle that drives
@@ -45,7 +50,8 @@ Eigen::Vector3d point_on_path(const DrivenPath& path, const GroundPlane& metric_
 /// @param ray  Towards the point, of any length, in the camera.
 double offset_from_path(const DrivenPath& path, const GroundPlane& metric_road, const Eigen::Vector3d& ray);
 
-/// Mask (255 inside) of the strip about the path, projected through the camera; empty where none of it is in view.
+/// Mask (255 inside) of the strip about the path, projected through the camera; empty where none of it is in view. The
+/// strip widens by the sd of the path, to twice its width at most.
 Image region_mask(const DrivenPath& path, const GroundPlane& metric_road, const Camera& camera,
                   const RegionOptions& options);
 

@@ -109,6 +109,28 @@ TEST(RegionMask, BendsWithThePath) {
   EXPECT_NEAR(mean_x(-0.02), 280.0, 10.0);
 }
 
+TEST(RegionMask, WidensByWhereATurnMayGoOnTo) {
+  DrivenPath path{Eigen::Vector3d::UnitZ(), 0.03};
+  const auto width_px = [&path](int row) {
+    const Image mask = region_mask(path, kLevelRoad, *camera(), {});
+    int count = 0;
+    for (int x = 0; x < mask.width(); ++x) count += mask.at(x, row) == 255 ? 1 : 0;
+    return count;
+  };
+  constexpr int kNearRow = 120 + 110;  // 6 m ahead
+  constexpr int kFarRow = 120 + 66;    // 10 m
+  const int near_px = width_px(kNearRow);
+  const int far_px = width_px(kFarRow);
+  path.steady_m = 6.0;
+  // To each side by 0.03 * 10^3 / 36 = 0.83 m, 33 px at 10 m; by 0.18 m, 12 px at 6 m.
+  // A row cuts the bent strip at a slant, which adds up to a quarter.
+  EXPECT_NEAR(width_px(kFarRow) - far_px, 67 * 1.12, 67 * 0.13);
+  EXPECT_NEAR(width_px(kNearRow) - near_px, 24, 6);
+  // No farther than to twice its width, 2.5 m to each side: 200 px more.
+  path.steady_m = 0.1;
+  EXPECT_NEAR(width_px(kFarRow) - far_px, 200, 15);
+}
+
 TEST(RegionMask, IsThePolygonWhereOneIsGiven) {
   RegionOptions options;
   options.polygon_px = {100, 50, 200, 50, 200, 150, 100, 150};

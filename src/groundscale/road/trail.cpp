@@ -68,14 +68,28 @@ Trail trail_of(const std::vector<RigidTransform>& world_from_cam, double metres_
   return trail;
 }
 
-DrivenPath path_of_trail(const Trail& trail, double heading_m, const Eigen::Vector3d& normal_in_cam,
+void visit_fields(PathAheadOptions& options, FieldVisitor& visitor) {
+  visitor.field(
+      {.key = "heading_m", .unit = "m", .help = "way behind that the path ahead is taken from", .min = 0.2, .max = 50},
+      options.heading_m);
+  visitor.field({.key = "steady_m",
+                 .unit = "m",
+                 .help = "within such a way drivers change the curvature by as much as itself; 0: never",
+                 .min = 0,
+                 .max = 1000},
+                options.steady_m);
+}
+
+DrivenPath path_of_trail(const Trail& trail, const PathAheadOptions& options, const Eigen::Vector3d& normal_in_cam,
                          const Eigen::Vector3d& mounting_forward_in_cam) {
   RigidTransform past;
   for (const RigidTransform& cam_from_past : trail.cam_from_past) {
     past = cam_from_past;
-    if (past.translation.norm() >= heading_m) break;
+    if (past.translation.norm() >= options.heading_m) break;
   }
-  return path_of_motion(past.inverse(), normal_in_cam, mounting_forward_in_cam);
+  DrivenPath path = path_of_motion(past.inverse(), normal_in_cam, mounting_forward_in_cam);
+  path.steady_m = options.steady_m;
+  return path;
 }
 
 void visit_fields(PathWeightOptions& options, FieldVisitor& visitor) {
@@ -99,15 +113,18 @@ double path_weight(const Eigen::Vector3d& point_in_cam_m, const Trail& trail, co
   const Eigen::Vector3d point = on_plane(point_in_cam_m, normal);
   const double ahead = point.dot(path.forward_in_cam);
   double offset = 0.0;
+  double sd = options.weight_sd_m;
   if (ahead >= 0.0) {
     if (point.norm() > options.ahead_m) return 0.0;
     // The same point on the road, whatever its own height.
     offset = std::abs(offset_from_path(path, metric_road, point + normal * metric_road.height));
+    sd = std::hypot(sd, path.sd_m(point.norm()));
   } else {
     offset = distance_to_trail(point, trail, normal, options.behind_m);
   }
-  if (!(offset <= options.half_width_m)) return 0.0;
-  return std::exp(-0.5 * std::pow(offset / options.weight_sd_m, 2));
+  const double share = options.weight_sd_m / sd;
+  if (!(share * offset <= options.half_width_m)) return 0.0;
+  return share * std::exp(-0.5 * std::pow(offset / sd, 2));
 }
 
 }  // namespace groundscale

@@ -25,9 +25,16 @@ struct Trail {
 /// @param length_m         How far back the trail goes: its last pose is the first one that is as far back as that.
 Trail trail_of(const std::vector<RigidTransform>& world_from_cam, double metres_per_unit, double length_m);
 
-/// Path at the present camera: chord and turn over the last `heading_m` that it drove (path_of_motion), over less where
+struct PathAheadOptions {
+  double heading_m = 3.0;  ///< Chord and turn are those of the way behind, over so much of it.
+  double steady_m = 6.0;   ///< Within such a way drivers change the curvature by as much as itself; 0: never.
+};
+
+void visit_fields(PathAheadOptions& options, FieldVisitor& visitor);
+
+/// Path at the present camera: chord and turn over the last heading_m that it drove (path_of_motion), over less where
 /// it has driven less, and straight along the mounting's forward direction where that is below 5 cm.
-DrivenPath path_of_trail(const Trail& trail, double heading_m, const Eigen::Vector3d& normal_in_cam,
+DrivenPath path_of_trail(const Trail& trail, const PathAheadOptions& options, const Eigen::Vector3d& normal_in_cam,
                          const Eigen::Vector3d& mounting_forward_in_cam);
 
 struct PathWeightOptions {
@@ -42,6 +49,8 @@ void visit_fields(PathWeightOptions& options, FieldVisitor& visitor);
 /// How much a point of the road says about the plane beneath the vehicle: w = exp(-u^2 / (2 sd^2)), 0 beyond the path's
 /// surroundings. Ahead u is the distance to the path's arc, behind to the polyline of the trail's last `behind_m`, both
 /// along the road: the point's own height doesn't count. Without a trail what lies behind has no weight.
+/// Where the vehicle is going isn't known but to p = DrivenPath::sd_m: ahead w is the mean of the above over paths,
+/// w = sd / q exp(-u^2 / (2 q^2)), q^2 = sd^2 + p^2, and half_width_m grows by q / sd.
 /// @param point_in_cam_m  In metres, as the trail and the road are.
 double path_weight(const Eigen::Vector3d& point_in_cam_m, const Trail& trail, const DrivenPath& path,
                    const GroundPlane& metric_road, const PathWeightOptions& options);

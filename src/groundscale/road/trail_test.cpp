@@ -14,6 +14,7 @@ namespace {
 const Eigen::Vector3d kNormal = Eigen::Vector3d::UnitY();
 const Eigen::Vector3d kForward = Eigen::Vector3d::UnitZ();
 const GroundPlane kRoad{kNormal, 1.65};
+const PathAheadOptions kSteady{.heading_m = 3.0, .steady_m = 0.0};
 
 /// Pose of a level camera `along_m` along an arc that begins at the world's origin; curvature > 0 turns right.
 RigidTransform pose_on_arc(double along_m, double curvature) {
@@ -90,7 +91,7 @@ TEST(TrailCentres, PassOverAHalt) {
 TEST(PathOfTrail, IsStraightAfterAStraightAndAnArcAfterAnArc) {
   for (const double curvature : {0.0, 0.08, -0.08}) {
     const Trail trail = trail_of(drive(40, 0.25, curvature), 1.0, 10.0);
-    const DrivenPath path = path_of_trail(trail, 3.0, kNormal, kForward);
+    const DrivenPath path = path_of_trail(trail, kSteady, kNormal, kForward);
     EXPECT_LT((path.forward_in_cam - kForward).norm(), 1e-9) << curvature;
     // The turn over its chord instead of its arc: (3 * 0.08)^2 / 24 is 0.24 %.
     EXPECT_NEAR(path.curvature_per_m, curvature, 0.003 * std::abs(curvature) + 1e-12);
@@ -101,29 +102,29 @@ TEST(PathOfTrail, FollowsTheWayOfACameraThatLooksAside) {
   constexpr double kYaw = 0.1;
   std::vector<RigidTransform> poses = drive(40, 0.25, 0.05);
   for (RigidTransform& pose : poses) pose.rotation = pose.rotation * exp_so3(kYaw * kNormal);
-  const DrivenPath path = path_of_trail(trail_of(poses, 1.0, 10.0), 3.0, kNormal, kForward);
+  const DrivenPath path = path_of_trail(trail_of(poses, 1.0, 10.0), kSteady, kNormal, kForward);
   EXPECT_LT((path.forward_in_cam - Eigen::Vector3d(-std::sin(kYaw), 0.0, std::cos(kYaw))).norm(), 1e-9);
 }
 
 TEST(PathOfTrail, LooksAheadInReverseToo) {
   std::vector<RigidTransform> poses = drive(40, 0.25, 0.08);
   std::reverse(poses.begin(), poses.end());
-  const DrivenPath path = path_of_trail(trail_of(poses, 1.0, 10.0), 3.0, kNormal, kForward);
+  const DrivenPath path = path_of_trail(trail_of(poses, 1.0, 10.0), kSteady, kNormal, kForward);
   EXPECT_LT((path.forward_in_cam - kForward).norm(), 1e-9);
   EXPECT_NEAR(path.curvature_per_m, 0.08, 0.003 * 0.08);
 }
 
 TEST(PathOfTrail, IsTheMountingsWhereNothingWasDriven) {
   const Eigen::Vector3d mounted(0.1, 0.0, std::sqrt(1.0 - 0.01));
-  EXPECT_LT((path_of_trail({}, 3.0, kNormal, mounted).forward_in_cam - mounted).norm(), 1e-12);
+  EXPECT_LT((path_of_trail({}, kSteady, kNormal, mounted).forward_in_cam - mounted).norm(), 1e-12);
   const Trail standing = trail_of(std::vector<RigidTransform>(50), 1.0, 8.0);
-  const DrivenPath path = path_of_trail(standing, 3.0, kNormal, mounted);
+  const DrivenPath path = path_of_trail(standing, kSteady, kNormal, mounted);
   EXPECT_LT((path.forward_in_cam - mounted).norm(), 1e-12);
   EXPECT_EQ(path.curvature_per_m, 0.0);
 }
 
 TEST(PathOfTrail, TakesWhatWayThereIs) {
-  const DrivenPath path = path_of_trail(trail_of(drive(5, 0.25, 0.08), 1.0, 10.0), 3.0, kNormal, kForward);
+  const DrivenPath path = path_of_trail(trail_of(drive(5, 0.25, 0.08), 1.0, 10.0), kSteady, kNormal, kForward);
   EXPECT_NEAR(path.curvature_per_m, 0.08, 0.003 * 0.08);
 }
 
@@ -131,7 +132,7 @@ TEST(PathOfTrail, TakesWhatWayThereIs) {
 double weight_on_arc(double along_m, double aside_m, double curvature, double step_m = 0.25) {
   const int frames = static_cast<int>(10.0 / step_m) + 1;
   const Trail trail = trail_of(drive(frames, step_m, curvature), 1.0, 10.0);
-  const DrivenPath path = path_of_trail(trail, 3.0, kNormal, kForward);
+  const DrivenPath path = path_of_trail(trail, kSteady, kNormal, kForward);
   return path_weight(beside_arc(step_m * (frames - 1), along_m, aside_m, curvature), trail, path, kRoad, {});
 }
 
@@ -165,7 +166,7 @@ TEST(PathWeight, BehindDoesNotDependOnTheFrameRate) {
 
 TEST(PathWeight, IsThatOfThePointsPlaceWhateverItsHeight) {
   const Trail trail = trail_of(drive(41, 0.25, 0.0), 1.0, 10.0);
-  const DrivenPath path = path_of_trail(trail, 3.0, kNormal, kForward);
+  const DrivenPath path = path_of_trail(trail, kSteady, kNormal, kForward);
   for (const double along : {-2.0, 6.0}) {
     const double on_road = path_weight({0.8, 1.65, along}, trail, path, kRoad, {});
     for (const double down : {1.0, 1.5, 1.9}) {
@@ -178,6 +179,28 @@ TEST(PathWeight, BehindIsNothingWithoutATrail) {
   const DrivenPath path{kForward, 0.0};
   EXPECT_EQ(path_weight({0.0, 1.65, -1.0}, {}, path, kRoad, {}), 0.0);
   EXPECT_NEAR(path_weight({0.0, 1.65, 1.0}, {}, path, kRoad, {}), 1.0, 1e-12);
+}
+
+TEST(PathWeight, IsTheMeanOverThePathsThatATurnMayGoOnTo) {
+  // After 8 m a curvature of 0.05 that changes by as much within 6 m has led 0.71 m off the arc, or as far inwards.
+  DrivenPath path{kForward, 0.05};
+  path.steady_m = 6.0;
+  const double sd = 0.05 * 512.0 / 36.0;
+  EXPECT_NEAR(path.sd_m(8.0), sd, 1e-12);
+  for (const double aside : {0.0, 1.5, -1.5, 2.8}) {
+    const Eigen::Vector3d point = beside_arc(0.0, 8.0, aside, 0.05);
+    double sum = 0.0;
+    double weights = 0.0;
+    for (double off = -6.0; off <= 6.0; off += 0.01) {
+      const double probability = std::exp(-0.5 * off * off);
+      sum += probability * std::exp(-0.5 * std::pow(aside - sd * off, 2));
+      weights += probability;
+    }
+    // The way to the point is taken as straight, and its offset from the arc is not quite that along the chord.
+    EXPECT_NEAR(path_weight(point, {}, path, kRoad, {}), sum / weights, 0.02) << aside;
+  }
+  EXPECT_EQ(path_weight(beside_arc(0.0, 8.0, 3.3, 0.05), {}, path, kRoad, {}), 0.0);
+  EXPECT_NEAR(path_weight({0.5, 1.65, 0.2}, {}, path, kRoad, {}), std::exp(-0.125), 0.01);
 }
 
 TEST(PathWeight, FollowsItsOptions) {

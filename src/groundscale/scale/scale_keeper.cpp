@@ -78,9 +78,7 @@ void visit_fields(ScaleKeeperOptions& options, FieldVisitor& visitor) {
                 options.correlation_m);
   visitor.field({.key = "tie_m", .unit = "m", .help = "way behind that is tied to the plane", .min = 0, .max = 100},
                 options.tie_m);
-  visitor.field(
-      {.key = "heading_m", .unit = "m", .help = "way behind that the path ahead is taken from", .min = 0.2, .max = 50},
-      options.heading_m);
+  visitor.group("ahead", options.ahead);
   visitor.group("path", options.path);
   visitor.group("plane", options.plane);
   visitor.group("filter", options.filter);
@@ -163,8 +161,7 @@ PlanePoints ScaleKeeper::points_on_path(const Input& input, std::vector<int>& wh
   const RigidTransform cam_from_world = input.world_from_cam.back().inverse();
   const GroundPlane road{input.expected_normal, camera_height_m_};
   const Trail trail = trail_of(input.world_from_cam, unit_m, std::max(options_.tie_m, options_.path.behind_m) + 1.0);
-  const DrivenPath path =
-      path_of_trail(trail, options_.heading_m, input.expected_normal, input.mounting.forward_in_cam());
+  const DrivenPath path = path_of_trail(trail, options_.ahead, input.expected_normal, input.mounting.forward_in_cam());
   PlanePoints points;
   points.metres_per_unit = unit_m;
   points.expected_normal = input.expected_normal;

@@ -39,7 +39,7 @@ struct ScaleKeeperOptions {
   double seen_share = 0.5;
   double correlation_m = 1.0;    ///< Measurements over a shorter way than this count as one together.
   double tie_m = 8.0;            ///< Way behind the camera that is tied to the plane.
-  double heading_m = 3.0;        ///< Way behind the camera that the path ahead is taken from.
+  PathAheadOptions ahead;        ///< Where the vehicle is going.
   PathWeightOptions path;        ///< Which road points count.
   PointPlaneOptions plane;       ///< How the plane is laid through them.
   MapScaleFilterOptions filter;  ///< How the scale moves.
