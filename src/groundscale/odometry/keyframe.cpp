@@ -11,15 +11,6 @@
 #include "groundscale/odometry/keyframe_internal.hpp"
 
 namespace groundscale {
-namespace {
-
-RigidTransform in_metres(RigidTransform transform, double unit_m) {
-  transform.translation *= unit_m;
-  return transform;
-}
-
-}  // namespace
-
 Result<std::unique_ptr<Odometry>> make_odometry(const CameraSetup& setup, const OdometryOptions& options) {
   if (options.odometry.mode == OdometryMode::kPairwise) {
     auto pairwise = PairwiseOdometry::create(setup, options);
@@ -173,19 +164,19 @@ const FrameResult& KeyframeOdometry::map_frame(FrameResult result, Recent& prese
   trail_.push_back({present.index, present.frame.time_s, *pose, keyframe.serial, cam_from_keyframe});
   halt_points_ = present.tracked.points;
   const bool look = follow_road(present);
-  links_.push_back({keyframe.frame, cam_from_keyframe.inverse(), keeper_.held(), true, false, {}});
+  links_.add({keyframe.frame, cam_from_keyframe.inverse(), keeper_.held(), true, false});
   if (wants_keyframe(present.tracked)) add_keyframe(present, *pose);
   refresh_trail();
   clock_.lap("map");
   measure_road(result, present, look);
-  links_.back().unit_m = keeper_.held();
-  place_keyframes();
-  const RigidTransform world_from_cam = metric_pose(links_.back());
+  links_.latest().unit_m = keeper_.held();
+  links_.place_keyframes(map_);
+  const RigidTransform world_from_cam = links_.latest_pose_m(map_);
   if (result.raw_over_online) {
     // The measurement is of the map as it is now; the online step also makes up for what the frame before didn't know.
     const RigidTransform step = trail_[trail_.size() - 2].cam_from_world * trail_.back().cam_from_world.inverse();
     const double online = (world_from_cam.translation - online_poses_.back().translation).norm();
-    if (online > 0.0) *result.raw_over_online *= links_.back().unit_m * step.translation.norm() / online;
+    if (online > 0.0) *result.raw_over_online *= links_.latest().unit_m * step.translation.norm() / online;
   }
   return append(std::move(result), world_from_cam);
 }
@@ -194,25 +185,16 @@ const FrameResult& KeyframeOdometry::stand(FrameResult result, const Recent& pre
   result.state = FrameState::kStill;
   result.reason = kStandingStill;
   located_ = present.index;
-  links_.push_back({present.index - 1, {}, 1.0, false, false, {}});
+  links_.add({present.index - 1, {}, 1.0, false, false});
   keeper_.pass(present.frame.time_s, 0.0);
   trail_.back().time_s = present.frame.time_s;
   return append(std::move(result), online_poses_.back());
 }
 
-/// World_from_cam of a frame whose keyframe is in the map.
-RigidTransform KeyframeOdometry::metric_pose(const Link& link) const {
-  const auto& keyframes = map_.keyframes();
-  const auto reference = std::find_if(keyframes.begin(), keyframes.end(),
-                                      [&link](const Keyframe& keyframe) { return keyframe.frame == link.reference; });
-  GS_CHECK(reference != keyframes.end(), "a frame hangs on a keyframe of the map");
-  return keyframes_m_.at(reference->serial) * in_metres(link.reference_from_cam, link.unit_m);
-}
-
 /// The present frame, whose link is the latest, becomes a keyframe.
 void KeyframeOdometry::add_keyframe(const Recent& present, const RigidTransform& cam_from_world) {
-  links_.back().is_keyframe = true;
-  links_.back().as_tracked = links_.back().reference_from_cam;
+  links_.latest().is_keyframe = true;
+  links_.latest().as_tracked = links_.latest().reference_from_cam;
   std::vector<TrackPoint> points = present.tracked.points;
   // Points of the road, which are tracked better than others so near, under ids beyond those of the tracker.
   constexpr TrackId kRoad = TrackId{1} << 40;
@@ -244,19 +226,6 @@ void KeyframeOdometry::refresh_trail() {
   }
 }
 
-/// Links of the map's keyframes, as they lie now, and their poses in metres.
-void KeyframeOdometry::place_keyframes() {
-  const auto& keyframes = map_.keyframes();
-  for (std::size_t k = 1; k < keyframes.size(); ++k) {
-    Link& link = links_[static_cast<std::size_t>(keyframes[k].frame)];
-    const RigidTransform before_from_cam = keyframes[k - 1].cam_from_world * keyframes[k].cam_from_world.inverse();
-    if (link.is_keyframe) link.reference_from_cam = before_from_cam;
-    keyframes_m_[keyframes[k].serial] =
-        keyframes_m_.at(keyframes[k - 1].serial) * in_metres(before_from_cam, link.unit_m);
-  }
-  keyframes_m_.erase(keyframes_m_.begin(), keyframes_m_.lower_bound(keyframes.front().serial));
-}
-
 const FrameResult& KeyframeOdometry::coast(FrameResult result, const Recent& present, std::string reason) {
   const double time_s = present.frame.time_s;
   TrailFrame here{present.index, time_s, predicted_pose(time_s), map_.keyframes().back().serial, {}};
@@ -265,16 +234,15 @@ const FrameResult& KeyframeOdometry::coast(FrameResult result, const Recent& pre
   trail_.push_back(here);
   result.state = FrameState::kBridged;
   result.reason = std::move(reason);
-  const double unit_m = keeper_.held();
-  links_.push_back({last.frame, here.cam_from_keyframe.inverse(), unit_m, true, false, {}});
+  links_.add({last.frame, here.cam_from_keyframe.inverse(), keeper_.held(), true, false});
   keeper_.pass(time_s, 0.0);
-  return append(std::move(result), keyframes_m_.at(last.serial) * in_metres(here.cam_from_keyframe.inverse(), unit_m));
+  return append(std::move(result), links_.latest_pose_m(map_));
 }
 
 const FrameResult& KeyframeOdometry::append(FrameResult result, const RigidTransform& world_from_cam_m) {
-  result.reference = links_.back().reference;
-  result.reference_from_cam = links_.back().reference_from_cam.rotation;
-  const Eigen::Vector3d& translation = links_.back().reference_from_cam.translation;
+  result.reference = links_.latest().reference;
+  result.reference_from_cam = links_.latest().reference_from_cam.rotation;
+  const Eigen::Vector3d& translation = links_.latest().reference_from_cam.translation;
   if (translation.norm() > 0.0) result.direction_in_reference = translation.normalized();
   if (!online_poses_.empty()) {
     result.online_step_m = (world_from_cam_m.translation - online_poses_.back().translation).norm();
@@ -286,49 +254,15 @@ const FrameResult& KeyframeOdometry::append(FrameResult result, const RigidTrans
 
 void KeyframeOdometry::finish() {
   if (!mapping_) close_bridge();
-  const bool filtered = keeper_.follows_ground();
-  const std::vector<MapScaleFilter::Smoothed> smoothed = keeper_.smoothed();
-  std::vector<int> next_keyframe(links_.size(), -1);
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    if (links_[k].is_keyframe) next_keyframe[static_cast<std::size_t>(links_[k].reference)] = static_cast<int>(k);
-  }
-  final_poses_.clear();
+  std::vector<MapScaleFilter::Smoothed> smoothed;
+  if (keeper_.follows_ground()) smoothed = keeper_.smoothed();
+  final_poses_ = links_.poses_m(smoothed);
   for (std::size_t k = 0; k < results_.size(); ++k) {
-    const Link& link = links_[k];
-    if (link.reference < 0) {
-      final_poses_.emplace_back();
-      continue;
-    }
-    const double unit_m = link.by_map && filtered ? std::exp(smoothed[k].log_scale) : link.unit_m;
-    final_poses_.push_back(final_poses_[static_cast<std::size_t>(link.reference)] *
-                           in_metres(final_link(k, next_keyframe), unit_m));
+    const PoseLink& link = links_[static_cast<int>(k)];
+    if (link.reference < 0) continue;
     results_[k].step_m = k == 0 ? 0.0 : (final_poses_[k].translation - final_poses_[k - 1].translation).norm();
-    results_[k].step_sd = link.by_map && filtered ? smoothed[k].sd : results_[k].online_step_sd;
+    results_[k].step_sd = link.by_map && !smoothed.empty() ? smoothed[k].sd : results_[k].online_step_sd;
   }
-}
-
-/// A frame between two keyframes follows what became of the way from one to the other after it was tracked: the
-/// similarity of that way as it was to as it is, turned by the share of the way that the frame has made.
-RigidTransform KeyframeOdometry::final_link(std::size_t index, const std::vector<int>& next_keyframe) const {
-  const Link& link = links_[index];
-  if (!link.by_map || link.is_keyframe) return link.reference_from_cam;
-  const int next = next_keyframe[static_cast<std::size_t>(link.reference)];
-  if (next < 0) return link.reference_from_cam;
-  const RigidTransform& before = links_[static_cast<std::size_t>(next)].as_tracked;
-  const RigidTransform& after = links_[static_cast<std::size_t>(next)].reference_from_cam;
-  const double length_before = before.translation.norm();
-  const double length_after = after.translation.norm();
-  const double along = link.reference_from_cam.translation.norm();
-  constexpr double kLeastShare = 1e-3;  // of its own way, below it says nothing
-  if (!(length_before > kLeastShare * along) || !(length_after > 0.0)) return link.reference_from_cam;
-  const Eigen::Vector3d axis = before.translation.cross(after.translation) / (length_before * length_after);
-  const double share = std::min(1.0, along / length_before);
-  RigidTransform followed;
-  followed.rotation =
-      exp_so3(share * log_so3(after.rotation * before.rotation.transpose())) * link.reference_from_cam.rotation;
-  followed.translation =
-      length_after / length_before * (exp_so3(axis) * link.reference_from_cam.translation);  // a small angle
-  return followed;
 }
 
 }  // namespace groundscale

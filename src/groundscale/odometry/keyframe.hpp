@@ -1,7 +1,6 @@
 #pragma once
 
 #include <deque>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +14,7 @@
 #include "groundscale/odometry/mounting_estimate.hpp"
 #include "groundscale/odometry/odometry.hpp"
 #include "groundscale/odometry/pairwise.hpp"
+#include "groundscale/odometry/pose_links.hpp"
 #include "groundscale/scale/scale_keeper.hpp"
 #include "groundscale/tracking/tracker.hpp"
 
@@ -53,15 +53,6 @@ class KeyframeOdometry final : public Odometry {
     TrackedPoints tracked;
     int index = 0;
   };
-  /// Pose of a frame by another one; `unit_m` metres are the unit of the translation.
-  struct Link {
-    int reference = -1;
-    RigidTransform reference_from_cam;
-    double unit_m = 1.0;
-    bool by_map = false;  ///< Else by the pairwise odometry, in metres.
-    bool is_keyframe = false;
-    RigidTransform as_tracked;  ///< Of a keyframe: what the link was when it was added.
-  };
   /// A frame of the latest stretch of road.
   struct TrailFrame {
     int index = 0;
@@ -86,7 +77,6 @@ class KeyframeOdometry final : public Odometry {
   // Mapping.
   const FrameResult& map_frame(FrameResult result, Recent& present);
   const FrameResult& stand(FrameResult result, const Recent& present);
-  RigidTransform metric_pose(const Link& link) const;
   std::optional<RigidTransform> locate(const TrackedPoints& tracked, double time_s, FrameResult& result);
   RigidTransform predicted_pose(double time_s) const;
   bool stands_still(const TrackedPoints& tracked) const;
@@ -94,8 +84,6 @@ class KeyframeOdometry final : public Odometry {
   void add_keyframe(const Recent& present, const RigidTransform& cam_from_world);
   void correct_map();
   void refresh_trail();
-  void place_keyframes();
-  RigidTransform final_link(std::size_t index, const std::vector<int>& next_keyframe) const;
   const FrameResult& append(FrameResult result, const RigidTransform& world_from_cam_m);
   const FrameResult& coast(FrameResult result, const Recent& present, std::string reason);
 
@@ -126,7 +114,6 @@ class KeyframeOdometry final : public Odometry {
   ScaleKeeper keeper_;
   std::deque<Recent> recent_;
   std::deque<TrailFrame> trail_;
-  std::map<int, RigidTransform> keyframes_m_;  ///< world_from_cam in metres, by serial.
   std::optional<Eigen::Vector3d> road_normal_in_world_;
   std::optional<double> pending_correction_;
   std::vector<ScaleEvent> corrections_;
@@ -139,7 +126,7 @@ class KeyframeOdometry final : public Odometry {
   int located_ = 0;                     ///< Result of the last frame that the map has located.
 
   std::vector<FrameResult> results_;
-  std::vector<Link> links_;
+  PoseLinks links_;
   std::vector<RigidTransform> online_poses_, final_poses_;
   FrameDetails details_;
   StageClock clock_;

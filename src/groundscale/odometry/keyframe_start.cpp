@@ -22,7 +22,7 @@ const FrameResult& KeyframeOdometry::bridge(const Recent& present) {
     step = poses[poses.size() - 2].inverse() * poses.back();
     if (!pairwise_->scaled()) step.translation *= bridge_unit_m_;
   }
-  links_.push_back({present.index - 1, step, 1.0, false, false, {}});
+  links_.add({present.index - 1, step, 1.0, false, false});
   if (lost_since_s_) {
     keeper_.pass(present.frame.time_s, 0.0);  // the map's scale still counts where it is found again
   } else {
@@ -43,7 +43,7 @@ void KeyframeOdometry::adopt_pairwise_scale() {
     results_[k].raw_over_online = measured.raw_over_online;
     results_[k].online_step_m = measured.online_step_m;
     results_[k].scaled = true;
-    if (k > 0) links_[k].reference_from_cam = online_poses_[k - 1].inverse() * pose;
+    if (k > 0) links_[static_cast<int>(k)].reference_from_cam = online_poses_[k - 1].inverse() * pose;
     online_poses_[k] = pose;
   }
 }
@@ -53,11 +53,11 @@ void KeyframeOdometry::close_bridge() {
   pairwise_->finish();
   const std::vector<RigidTransform> poses = pairwise_->final_poses();
   for (std::size_t k = 1; k < poses.size(); ++k) {
-    const auto index = static_cast<std::size_t>(bridged_[k]);
-    if (links_[index].by_map) continue;
+    PoseLink& link = links_[bridged_[k]];
+    if (link.by_map) continue;
     RigidTransform step = poses[k - 1].inverse() * poses[k];
     if (!pairwise_->scaled()) step.translation *= bridge_unit_m_;
-    links_[index].reference_from_cam = step;
+    link.reference_from_cam = step;
   }
 }
 
@@ -98,7 +98,7 @@ bool KeyframeOdometry::start_map(const Recent& present) {
   lost_since_s_.reset();
   lost_views_.clear();
   const RigidTransform world_from_first = online_poses_.back() * metric;
-  const int first_serial = map_.add(first->index, world_from_first.inverse(), first->tracked.points);
+  map_.add(first->index, world_from_first.inverse(), first->tracked.points);
   const int serial = map_.add(present.index, online_poses_.back().inverse(), present.tracked.points);
   map_.triangulate();
   map_.adjust();
@@ -112,15 +112,14 @@ bool KeyframeOdometry::start_map(const Recent& present) {
   keeper_.start(1.0, options_.scale.filter.start_sd);
   begin_trail();
   trail_.back().keyframe = serial;
-  keyframes_m_.clear();
-  keyframes_m_[first_serial] = world_from_first;
   const Keyframe& a = map_.keyframes().front();
   const Keyframe& b = map_.keyframes().back();
+  links_.begin_map(a, world_from_first);
   const RigidTransform link = a.cam_from_world * b.cam_from_world.inverse();
-  links_.back() = {first->index, link, 1.0, true, true, link};
+  links_.latest() = {first->index, link, 1.0, true, true, link};
   refresh_trail();
-  place_keyframes();
-  online_poses_.back() = keyframes_m_.at(serial);
+  links_.place_keyframes(map_);
+  online_poses_.back() = links_.latest_pose_m(map_);
   const std::size_t before = online_poses_.size() - 2;  // a map has two views
   results_.back().online_step_m = (online_poses_.back().translation - online_poses_[before].translation).norm();
   halt_points_ = present.tracked.points;
@@ -245,7 +244,7 @@ void KeyframeOdometry::close_gap(const Recent& present, const RigidTransform& ca
       const double share = std::clamp((results_[index].time_s - from.time_s) / span_s, 0.0, 1.0);
       const RigidTransform pose = share_of(motion, share) * from.cam_from_world;
       const RigidTransform link = keyframe.cam_from_world * pose.inverse();
-      links_[index] = {keyframe.frame, link, keeper_.held(), true, false, {}};
+      links_[k] = {keyframe.frame, link, keeper_.held(), true, false};
       results_[index].reference = keyframe.frame;
       results_[index].reference_from_cam = link.rotation;
       results_[index].direction_in_reference =
