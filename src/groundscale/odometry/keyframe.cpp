@@ -26,24 +26,19 @@ Result<std::unique_ptr<KeyframeOdometry>> KeyframeOdometry::create(const CameraS
                                                                    const OdometryOptions& options) {
   auto pairwise = PairwiseOdometry::create(setup, options);
   if (!pairwise) return pairwise.error();
-  auto detector = pairwise->shared_detector();
-  OdometryOptions rest = options;  // a later pairwise odometry doesn't open the network again
-  rest.road.network.file.clear();
-  std::unique_ptr<KeyframeOdometry> odometry(new KeyframeOdometry(setup, rest, std::move(*pairwise)));
-  odometry->detector_ = std::move(detector);
-  return odometry;
+  return std::unique_ptr<KeyframeOdometry>(new KeyframeOdometry(setup, options, std::move(*pairwise)));
 }
 
 KeyframeOdometry::KeyframeOdometry(const CameraSetup& setup, const OdometryOptions& options, PairwiseOdometry pairwise)
-    : setup_(setup),
-      camera_(setup.camera),
+    : camera_(setup.camera),
       camera_height_m_(*setup.height_m),
       options_(options),
       tracking_mask_(allowed_of(setup.vehicle_mask)),
       rng_(static_cast<std::uint64_t>(options.seed)),
       tracker_(options.tracking),
+      detector_(pairwise.shared_detector()),
       mounting_(pairwise.mounting_estimate()),
-      pairwise_(std::make_unique<PairwiseOdometry>(std::move(pairwise))),
+      bridge_(setup, options, std::move(pairwise)),
       map_(setup.camera, options.keyframe.map),
       road_(setup.camera, options.road.tracking, options.keyframe.road),
       keeper_(*setup.height_m, options.odometry.scale_correction, options.scale) {}
@@ -51,7 +46,7 @@ KeyframeOdometry::KeyframeOdometry(const CameraSetup& setup, const OdometryOptio
 const FrameResult& KeyframeOdometry::advance(const Frame& frame, const Image& road_mask) {
   details_ = {};
   clock_.skip();
-  Recent present{frame, road_mask, {}, static_cast<int>(results_.size())};
+  TrackedFrame present{frame, road_mask, {}, static_cast<int>(results_.size())};
   const Tracker before = tracker_;
   if (!frame.image.empty()) {
     tracker_.advance(Pyramid(frame.image, options_.tracking.klt.levels, options_.tracking.klt.window_px),
@@ -147,7 +142,7 @@ bool KeyframeOdometry::wants_keyframe(const TrackedPoints& tracked) const {
          options_.keyframe.min_parallax_px;
 }
 
-const FrameResult& KeyframeOdometry::map_frame(FrameResult result, Recent& present) {
+const FrameResult& KeyframeOdometry::map_frame(FrameResult result, TrackedFrame& present) {
   if (present.frame.image.empty() && mapping_) return coast(std::move(result), present, present.frame.problem);
   if (mapping_ && stands_still(present.tracked)) return stand(std::move(result), present);
   auto pose = mapping_ ? locate(present.tracked, present.frame.time_s, result) : std::nullopt;
@@ -181,7 +176,7 @@ const FrameResult& KeyframeOdometry::map_frame(FrameResult result, Recent& prese
   return append(std::move(result), world_from_cam);
 }
 
-const FrameResult& KeyframeOdometry::stand(FrameResult result, const Recent& present) {
+const FrameResult& KeyframeOdometry::stand(FrameResult result, const TrackedFrame& present) {
   result.state = FrameState::kStill;
   result.reason = kStandingStill;
   located_ = present.index;
@@ -192,7 +187,7 @@ const FrameResult& KeyframeOdometry::stand(FrameResult result, const Recent& pre
 }
 
 /// The present frame, whose link is the latest, becomes a keyframe.
-void KeyframeOdometry::add_keyframe(const Recent& present, const RigidTransform& cam_from_world) {
+void KeyframeOdometry::add_keyframe(const TrackedFrame& present, const RigidTransform& cam_from_world) {
   links_.latest().is_keyframe = true;
   links_.latest().as_tracked = links_.latest().reference_from_cam;
   std::vector<TrackPoint> points = present.tracked.points;
@@ -226,7 +221,7 @@ void KeyframeOdometry::refresh_trail() {
   }
 }
 
-const FrameResult& KeyframeOdometry::coast(FrameResult result, const Recent& present, std::string reason) {
+const FrameResult& KeyframeOdometry::coast(FrameResult result, const TrackedFrame& present, std::string reason) {
   const double time_s = present.frame.time_s;
   TrailFrame here{present.index, time_s, predicted_pose(time_s), map_.keyframes().back().serial, {}};
   const Keyframe& last = map_.keyframes().back();

@@ -11,6 +11,7 @@
 #include "groundscale/mapping/relocalise.hpp"
 #include "groundscale/mapping/resection.hpp"
 #include "groundscale/mapping/road_tracks.hpp"
+#include "groundscale/odometry/bridge.hpp"
 #include "groundscale/odometry/mounting_estimate.hpp"
 #include "groundscale/odometry/odometry.hpp"
 #include "groundscale/odometry/pairwise.hpp"
@@ -46,57 +47,48 @@ class KeyframeOdometry final : public Odometry {
  private:
   KeyframeOdometry(const CameraSetup& setup, const OdometryOptions& options, PairwiseOdometry pairwise);
 
-  /// A frame as it was tracked, for what begins later.
-  struct Recent {
-    Frame frame;
-    Image road_mask;
-    TrackedPoints tracked;
-    int index = 0;
-  };
   /// A frame of the latest stretch of road.
   struct TrailFrame {
     int index = 0;
     double time_s = 0.0;
     RigidTransform cam_from_world;
-    int keyframe = -1;  ///< Serial of the reference; -1 where the pairwise odometry placed it.
+    int keyframe = -1;  ///< Serial of the reference; -1 where the bridge placed it.
     RigidTransform cam_from_keyframe;
   };
 
   // Bridging (keyframe_start.cpp).
-  const FrameResult& bridge(const Recent& present);
-  void adopt_pairwise_scale();
+  const FrameResult& bridge(const TrackedFrame& present);
+  void adopt_bridge_scale();
   void close_bridge();
-  RigidTransform pairwise_pose(std::size_t k) const;
-  bool start_map(const Recent& present);
+  bool start_map(const TrackedFrame& present);
   void begin_trail();
-  void lose_map(const Recent& present);
-  std::optional<RigidTransform> find_again(Recent& present, FrameResult& result);
+  void lose_map(const TrackedFrame& present);
+  std::optional<RigidTransform> find_again(TrackedFrame& present, FrameResult& result);
   void remember_views();
-  void close_gap(const Recent& present, const RigidTransform& cam_from_world);
+  void close_gap(const TrackedFrame& present, const RigidTransform& cam_from_world);
 
   // Mapping.
-  const FrameResult& map_frame(FrameResult result, Recent& present);
-  const FrameResult& stand(FrameResult result, const Recent& present);
+  const FrameResult& map_frame(FrameResult result, TrackedFrame& present);
+  const FrameResult& stand(FrameResult result, const TrackedFrame& present);
   std::optional<RigidTransform> locate(const TrackedPoints& tracked, double time_s, FrameResult& result);
   RigidTransform predicted_pose(double time_s) const;
   bool stands_still(const TrackedPoints& tracked) const;
   bool wants_keyframe(const TrackedPoints& tracked) const;
-  void add_keyframe(const Recent& present, const RigidTransform& cam_from_world);
+  void add_keyframe(const TrackedFrame& present, const RigidTransform& cam_from_world);
   void correct_map();
   void refresh_trail();
   const FrameResult& append(FrameResult result, const RigidTransform& world_from_cam_m);
-  const FrameResult& coast(FrameResult result, const Recent& present, std::string reason);
+  const FrameResult& coast(FrameResult result, const TrackedFrame& present, std::string reason);
 
   // Road (keyframe_road.cpp).
   GroundPlane expected_road(const RigidTransform& cam_from_world) const;
-  bool follow_road(const Recent& present);
-  Image road_region(const Recent& present, const DrivenPath& path, const GroundPlane& road);
-  void measure_road(FrameResult& result, const Recent& present, bool look);
+  bool follow_road(const TrackedFrame& present);
+  Image road_region(const TrackedFrame& present, const DrivenPath& path, const GroundPlane& road);
+  void measure_road(FrameResult& result, const TrackedFrame& present, bool look);
   void hold_by_ground(const ScaleReport& report);
   void take_report(FrameResult& result, const ScaleReport& report, double curvature_per_m);
   std::vector<RigidTransform> trail_poses() const;
 
-  CameraSetup setup_;
   CameraPtr camera_;
   double camera_height_m_;
   OdometryOptions options_;
@@ -105,14 +97,12 @@ class KeyframeOdometry final : public Odometry {
   Tracker tracker_;
   std::shared_ptr<RoadDetector> detector_;
   MountingEstimate mounting_;
-  std::unique_ptr<PairwiseOdometry> pairwise_;
-  std::vector<int> bridged_;    ///< Results of the frames that the pairwise odometry has taken.
-  double bridge_unit_m_ = 1.0;  ///< Metres per unit of the pairwise odometry while it has no scale of its own.
+  Bridge bridge_;
 
   LocalMap map_;
   RoadTracks road_;
   ScaleKeeper keeper_;
-  std::deque<Recent> recent_;
+  std::deque<TrackedFrame> recent_;
   std::deque<TrailFrame> trail_;
   std::optional<Eigen::Vector3d> road_normal_in_world_;
   std::optional<double> pending_correction_;

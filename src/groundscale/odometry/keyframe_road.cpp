@@ -30,7 +30,7 @@ GroundPlane KeyframeOdometry::expected_road(const RigidTransform& cam_from_world
 }
 
 /// Follows the road's points through what the map says that camera and road have done.
-bool KeyframeOdometry::follow_road(const Recent& present) {
+bool KeyframeOdometry::follow_road(const TrackedFrame& present) {
   const TrailFrame& here = trail_.back();
   const auto view = std::find_if(trail_.begin(), trail_.end(),
                                  [this](const TrailFrame& frame) { return frame.index == road_.view_frame(); });
@@ -50,7 +50,7 @@ bool KeyframeOdometry::follow_road(const Recent& present) {
 }
 
 /// The strip along the path, where it isn't the vehicle's own and detectors see road.
-Image KeyframeOdometry::road_region(const Recent& present, const DrivenPath& path, const GroundPlane& road) {
+Image KeyframeOdometry::road_region(const TrackedFrame& present, const DrivenPath& path, const GroundPlane& road) {
   RegionOptions options = options_.keyframe.region;
   options.polygon_px = options_.road.region.polygon_px;
   const Image strip = region_mask(path, road, *camera_, options);
@@ -65,7 +65,7 @@ Image KeyframeOdometry::road_region(const Recent& present, const DrivenPath& pat
   return restrict_region(strip, allowed);
 }
 
-void KeyframeOdometry::measure_road(FrameResult& result, const Recent& present, bool look) {
+void KeyframeOdometry::measure_road(FrameResult& result, const TrackedFrame& present, bool look) {
   const double unit_m = keeper_.held();
   const TrailFrame& here = trail_.back();
   const GroundPlane road = expected_road(here.cam_from_world);

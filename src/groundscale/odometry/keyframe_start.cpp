@@ -10,18 +10,12 @@
 #include "groundscale/odometry/keyframe_internal.hpp"
 
 namespace groundscale {
-const FrameResult& KeyframeOdometry::bridge(const Recent& present) {
-  const bool was_scaled = pairwise_->scaled();
-  FrameResult result = pairwise_->advance(present.frame, present.road_mask, present.tracked);
-  bridged_.push_back(present.index);
-  details_ = pairwise_->details();
+
+const FrameResult& KeyframeOdometry::bridge(const TrackedFrame& present) {
+  FrameResult result = bridge_.advance(present);
+  details_ = bridge_.pairwise().details();
   clock_.lap("bridging");
-  const std::vector<RigidTransform>& poses = pairwise_->online_poses();
-  RigidTransform step;
-  if (poses.size() >= 2) {
-    step = poses[poses.size() - 2].inverse() * poses.back();
-    if (!pairwise_->scaled()) step.translation *= bridge_unit_m_;
-  }
+  const RigidTransform step = bridge_.latest_step();
   links_.add({present.index - 1, step, 1.0, false, false});
   if (lost_since_s_) {
     keeper_.pass(present.frame.time_s, 0.0);  // the map's scale still counts where it is found again
@@ -29,17 +23,17 @@ const FrameResult& KeyframeOdometry::bridge(const Recent& present) {
     keeper_.skip();
   }
   append(std::move(result), online_poses_.empty() ? RigidTransform{} : online_poses_.back() * step);
-  if (!was_scaled && pairwise_->scaled() && !scaled_) adopt_pairwise_scale();
+  if (!scaled_ && bridge_.scaled()) adopt_bridge_scale();
   if (scaled_ && results_.back().state == FrameState::kMoving && start_map(present)) close_bridge();
   return results_.back();
 }
 
 /// The first measurement of a drive: all frames up to now become metres.
-void KeyframeOdometry::adopt_pairwise_scale() {
+void KeyframeOdometry::adopt_bridge_scale() {
   scaled_ = true;
   for (std::size_t k = 0; k < results_.size(); ++k) {
-    const RigidTransform pose = pairwise_->online_poses()[k];
-    const FrameResult& measured = pairwise_->results()[k];
+    const RigidTransform pose = bridge_.pairwise().online_poses()[k];
+    const FrameResult& measured = bridge_.pairwise().results()[k];
     results_[k].raw_over_online = measured.raw_over_online;
     results_[k].online_step_m = measured.online_step_m;
     results_[k].scaled = true;
@@ -48,45 +42,35 @@ void KeyframeOdometry::adopt_pairwise_scale() {
   }
 }
 
-/// The steps of the stretch that the pairwise odometry carried, from all that it has seen.
+/// The steps of the stretch that was bridged, from all that it has seen.
 void KeyframeOdometry::close_bridge() {
-  pairwise_->finish();
-  const std::vector<RigidTransform> poses = pairwise_->final_poses();
-  for (std::size_t k = 1; k < poses.size(); ++k) {
-    PoseLink& link = links_[bridged_[k]];
-    if (link.by_map) continue;
-    RigidTransform step = poses[k - 1].inverse() * poses[k];
-    if (!pairwise_->scaled()) step.translation *= bridge_unit_m_;
-    link.reference_from_cam = step;
+  const std::vector<RigidTransform> steps = bridge_.final_steps();
+  for (std::size_t k = 1; k < steps.size(); ++k) {
+    PoseLink& link = links_[bridge_.frames()[k]];
+    if (!link.by_map) link.reference_from_cam = steps[k];
   }
 }
 
-/// world_from_cam of one of the frames that the pairwise odometry has taken, in its own world, as metric as it knows.
-RigidTransform KeyframeOdometry::pairwise_pose(std::size_t k) const {
-  RigidTransform pose = pairwise_->online_poses()[k];
-  if (!pairwise_->scaled()) pose.translation *= bridge_unit_m_;
-  return pose;
-}
-
-bool KeyframeOdometry::start_map(const Recent& present) {
+bool KeyframeOdometry::start_map(const TrackedFrame& present) {
   // The oldest view that still shares enough points: none has more parallax.
   const KeyframeOptions& options = options_.keyframe;
-  const Recent* first = nullptr;
+  const TrackedFrame* first = nullptr;
+  const std::vector<int>& frames = bridge_.frames();
   std::size_t first_bridged = 0;
   std::vector<RayPair> rays;
-  for (const Recent& candidate : recent_) {
-    const auto bridged = std::lower_bound(bridged_.begin(), bridged_.end(), candidate.index);
-    if (bridged == bridged_.end() || *bridged != candidate.index) continue;
+  for (const TrackedFrame& candidate : recent_) {
+    const auto bridged = std::lower_bound(frames.begin(), frames.end(), candidate.index);
+    if (bridged == frames.end() || *bridged != candidate.index) continue;
     const Matches matches = match_by_id(candidate.tracked.points, present.tracked.points);
     if (static_cast<int>(matches.size()) < options.start_matches) continue;
     rays = ray_pairs(matches, *camera_);
     if (fit_rotation(rays, camera_->focal_px()).parallax_px < options.start_parallax_px) break;
     first = &candidate;
-    first_bridged = static_cast<std::size_t>(bridged - bridged_.begin());
+    first_bridged = static_cast<std::size_t>(bridged - frames.begin());
     break;
   }
   if (first == nullptr) return false;
-  const RigidTransform present_from_first = pairwise_pose(bridged_.size() - 1).inverse() * pairwise_pose(first_bridged);
+  const RigidTransform present_from_first = bridge_.pose(frames.size() - 1).inverse() * bridge_.pose(first_bridged);
   RigidTransform guess = present_from_first;
   guess.translation.normalize();
   const TwoViewMotion motion = estimate_motion(rays, camera_->focal_px(), options_.motion, rng_, guess);
@@ -108,7 +92,7 @@ bool KeyframeOdometry::start_map(const Recent& present) {
   }
   mapping_ = true;
   located_ = present.index;
-  mounting_ = pairwise_->mounting_estimate();
+  mounting_ = bridge_.pairwise().mounting_estimate();
   keeper_.start(1.0, options_.scale.filter.start_sd);
   begin_trail();
   trail_.back().keyframe = serial;
@@ -130,57 +114,28 @@ bool KeyframeOdometry::start_map(const Recent& present) {
   return true;
 }
 
-/// The way that the pairwise odometry has seen, up to the present frame.
+/// The way over the bridge, up to the present frame.
 void KeyframeOdometry::begin_trail() {
   constexpr double kTrailM = 15.0;
   trail_.clear();
-  std::size_t oldest = bridged_.size() - 1;
-  const RigidTransform world_from_pairwise = online_poses_.back() * pairwise_pose(oldest).inverse();
+  const std::vector<int>& frames = bridge_.frames();
+  std::size_t oldest = frames.size() - 1;
+  const RigidTransform world_from_bridge = online_poses_.back() * bridge_.pose(oldest).inverse();
   const Eigen::Vector3d& here = online_poses_.back().translation;
-  const auto pose_of = [&](std::size_t k) { return world_from_pairwise * pairwise_pose(k); };
+  const auto pose_of = [&](std::size_t k) { return world_from_bridge * bridge_.pose(k); };
   while (oldest > 0 && (pose_of(oldest).translation - here).norm() < kTrailM) --oldest;
-  for (std::size_t k = oldest; k < bridged_.size(); ++k) {
-    const FrameResult& result = results_[static_cast<std::size_t>(bridged_[k])];
-    trail_.push_back({bridged_[k], result.time_s, pose_of(k).inverse(), -1, {}});
+  for (std::size_t k = oldest; k < frames.size(); ++k) {
+    const FrameResult& result = results_[static_cast<std::size_t>(frames[k])];
+    trail_.push_back({frames[k], result.time_s, pose_of(k).inverse(), -1, {}});
   }
 }
 
 /// The pairwise odometry goes on from the last frames that the map carried.
-void KeyframeOdometry::lose_map(const Recent& present) {
+void KeyframeOdometry::lose_map(const TrackedFrame& present) {
   mapping_ = false;
   lost_since_s_ = present.frame.time_s;
   road_.clear();
-  CameraSetup setup = setup_;
-  const Mounting mounting = mounting_.mounting();
-  setup.pitch_rad = mounting.pitch_rad;
-  setup.roll_rad = mounting.roll_rad;
-  setup.yaw_rad = mounting.yaw_rad;
-  auto pairwise = PairwiseOdometry::create(setup, options_);
-  GS_CHECK(pairwise.has_value(), "what could be created once can be created again");
-  pairwise_ = std::make_unique<PairwiseOdometry>(std::move(*pairwise));
-  pairwise_->share_detector(detector_);
-  bridged_.clear();
-  constexpr std::size_t kReplayed = 4;
-  auto seen = recent_.end() - static_cast<std::ptrdiff_t>(std::min(recent_.size(), kReplayed));
-  double replayed_units = 0.0;
-  double replayed_m = 0.0;
-  for (int k = seen == recent_.end() ? present.index : seen->index; k < present.index; ++k) {
-    const FrameResult& known = results_[static_cast<std::size_t>(k)];
-    if (seen != recent_.end() && seen->index == k) {
-      pairwise_->advance(seen->frame, seen->road_mask, seen->tracked);
-      ++seen;
-    } else if (known.state != FrameState::kStill) {
-      pairwise_->advance({known.frame, known.time_s, {}, known.reason}, {}, {});
-    } else {
-      continue;  // nothing has moved
-    }
-    if (!bridged_.empty()) {
-      replayed_units += pairwise_->results().back().online_step_m;
-      replayed_m += known.online_step_m;
-    }
-    bridged_.push_back(k);
-  }
-  bridge_unit_m_ = replayed_units > 0.0 ? replayed_m / replayed_units : 1.0;
+  bridge_.restart(mounting_.mounting(), recent_, results_);
 }
 
 /// The map as the last frames that it located saw it, for a frame that has lost it.
@@ -188,8 +143,9 @@ void KeyframeOdometry::remember_views() {
   lost_views_.clear();
   constexpr std::array<int, 3> kFramesBack{0, 5, 15};
   for (const int back : kFramesBack) {
-    const auto seen = std::find_if(recent_.rbegin(), recent_.rend(),
-                                   [this, back](const Recent& recent) { return recent.index <= located_ - back; });
+    const auto seen = std::find_if(recent_.rbegin(), recent_.rend(), [this, back](const TrackedFrame& recent) {
+      return recent.index <= located_ - back;
+    });
     if (seen == recent_.rend()) break;
     MapView view{seen->frame.image, {}};
     for (const TrackPoint& track : seen->tracked.points) {
@@ -201,7 +157,7 @@ void KeyframeOdometry::remember_views() {
 }
 
 /// Pose of a frame that has lost the map, by what the map looked like; its landmarks are followed again from here.
-std::optional<RigidTransform> KeyframeOdometry::find_again(Recent& present, FrameResult& result) {
+std::optional<RigidTransform> KeyframeOdometry::find_again(TrackedFrame& present, FrameResult& result) {
   const double time_s = present.frame.time_s;
   if (mapping_) remember_views();
   constexpr double kLongestS = 5.0;
@@ -228,7 +184,7 @@ std::optional<RigidTransform> KeyframeOdometry::find_again(Recent& present, Fram
 }
 
 /// The map carries frames again: those since it was lost lie evenly between the last one that it located and this one.
-void KeyframeOdometry::close_gap(const Recent& present, const RigidTransform& cam_from_world) {
+void KeyframeOdometry::close_gap(const TrackedFrame& present, const RigidTransform& cam_from_world) {
   const int gap = present.index - located_ - 1;
   lost_since_s_.reset();
   lost_views_.clear();
