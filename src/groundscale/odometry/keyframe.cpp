@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include "groundscale/geometry/so3.hpp"
-#include "groundscale/odometry/keyframe_internal.hpp"
 
 namespace groundscale {
 Result<std::unique_ptr<Odometry>> make_odometry(const CameraSetup& setup, const OdometryOptions& options) {
@@ -72,16 +71,6 @@ const FrameResult& KeyframeOdometry::advance(const Frame& frame, const Image& ro
   return done;
 }
 
-RigidTransform KeyframeOdometry::predicted_pose(double time_s) const {
-  const TrailFrame& last = trail_.back();
-  if (trail_.size() < 2) return last.cam_from_world;
-  const TrailFrame& before = trail_[trail_.size() - 2];
-  const RigidTransform step = last.cam_from_world * before.cam_from_world.inverse();
-  const double share = time_between(last.time_s, time_s) / time_between(before.time_s, last.time_s);
-  constexpr double kMostShare = 20.0;
-  return share_of(step, std::min(share, kMostShare)) * last.cam_from_world;
-}
-
 bool KeyframeOdometry::stands_still(const TrackedPoints& tracked) const {
   Matches matches = match_by_id(halt_points_, tracked.points);
   std::erase_if(matches, [this](const Match& match) { return map_.point_of(match.id) == nullptr; });
@@ -104,7 +93,7 @@ std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& trac
   const auto enough = [&sights](const Result<Resection>& found) {
     return found && static_cast<double>(found->inliers.size()) >= kMinShare * static_cast<double>(sights.size());
   };
-  auto found = refine_pose(sights, *camera_, predicted_pose(time_s), options_.keyframe.resection);
+  auto found = refine_pose(sights, *camera_, trail_.predicted_pose(time_s), options_.keyframe.resection);
   if (!enough(found)) {
     auto again = resect(sights, *camera_, options_.keyframe.resection, rng_);
     if (again && (!found || again->inliers.size() > found->inliers.size())) found = std::move(again);
@@ -155,13 +144,12 @@ const FrameResult& KeyframeOdometry::map_frame(FrameResult result, TrackedFrame&
   close_gap(present, *pose);
   result.state = FrameState::kMoving;
   const Keyframe& keyframe = map_.keyframes().back();
-  const RigidTransform cam_from_keyframe = *pose * keyframe.cam_from_world.inverse();
-  trail_.push_back({present.index, present.frame.time_s, *pose, keyframe.serial, cam_from_keyframe});
+  const RigidTransform cam_from_keyframe = trail_.add(present.index, present.frame.time_s, *pose, keyframe);
   halt_points_ = present.tracked.points;
   const bool look = follow_road(present);
   links_.add({keyframe.frame, cam_from_keyframe.inverse(), keeper_.held(), true, false});
   if (wants_keyframe(present.tracked)) add_keyframe(present, *pose);
-  refresh_trail();
+  trail_.follow(map_);
   clock_.lap("map");
   measure_road(result, present, look);
   links_.latest().unit_m = keeper_.held();
@@ -169,7 +157,7 @@ const FrameResult& KeyframeOdometry::map_frame(FrameResult result, TrackedFrame&
   const RigidTransform world_from_cam = links_.latest_pose_m(map_);
   if (result.raw_over_online) {
     // The measurement is of the map as it is now; the online step also makes up for what the frame before didn't know.
-    const RigidTransform step = trail_[trail_.size() - 2].cam_from_world * trail_.back().cam_from_world.inverse();
+    const RigidTransform step = trail_.latest_step();
     const double online = (world_from_cam.translation - online_poses_.back().translation).norm();
     if (online > 0.0) *result.raw_over_online *= links_.latest().unit_m * step.translation.norm() / online;
   }
@@ -182,7 +170,7 @@ const FrameResult& KeyframeOdometry::stand(FrameResult result, const TrackedFram
   located_ = present.index;
   links_.add({present.index - 1, {}, 1.0, false, false});
   keeper_.pass(present.frame.time_s, 0.0);
-  trail_.back().time_s = present.frame.time_s;
+  trail_.stand(present.frame.time_s);
   return append(std::move(result), online_poses_.back());
 }
 
@@ -198,8 +186,7 @@ void KeyframeOdometry::add_keyframe(const TrackedFrame& present, const RigidTran
   if (pending_correction_) correct_map();
   map_.triangulate();
   map_.adjust();
-  trail_.back().keyframe = serial;
-  trail_.back().cam_from_keyframe = {};
+  trail_.hang_latest_on_itself(serial);
 }
 
 /// Algorithm 2: the local map grows by lambda about its oldest keyframe, and what was seen before it is left alone.
@@ -210,26 +197,16 @@ void KeyframeOdometry::correct_map() {
   correction_open_ = true;
   pending_correction_.reset();
   // The road's points are placed by the scaled part of the trail alone.
-  while (trail_.size() > 2 && trail_.front().index < oldest.frame) trail_.pop_front();
-}
-
-/// Frames of the trail follow the keyframes that they hang on.
-void KeyframeOdometry::refresh_trail() {
-  for (TrailFrame& frame : trail_) {
-    const Keyframe* keyframe = frame.keyframe < 0 ? nullptr : map_.find(frame.keyframe);
-    if (keyframe != nullptr) frame.cam_from_world = frame.cam_from_keyframe * keyframe->cam_from_world;
-  }
+  trail_.forget_before(oldest.frame);
 }
 
 const FrameResult& KeyframeOdometry::coast(FrameResult result, const TrackedFrame& present, std::string reason) {
   const double time_s = present.frame.time_s;
-  TrailFrame here{present.index, time_s, predicted_pose(time_s), map_.keyframes().back().serial, {}};
   const Keyframe& last = map_.keyframes().back();
-  here.cam_from_keyframe = here.cam_from_world * last.cam_from_world.inverse();
-  trail_.push_back(here);
+  const RigidTransform cam_from_keyframe = trail_.add(present.index, time_s, trail_.predicted_pose(time_s), last);
   result.state = FrameState::kBridged;
   result.reason = std::move(reason);
-  links_.add({last.frame, here.cam_from_keyframe.inverse(), keeper_.held(), true, false});
+  links_.add({last.frame, cam_from_keyframe.inverse(), keeper_.held(), true, false});
   keeper_.pass(time_s, 0.0);
   return append(std::move(result), links_.latest_pose_m(map_));
 }

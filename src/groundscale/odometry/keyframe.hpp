@@ -12,6 +12,7 @@
 #include "groundscale/mapping/resection.hpp"
 #include "groundscale/mapping/road_tracks.hpp"
 #include "groundscale/odometry/bridge.hpp"
+#include "groundscale/odometry/map_trail.hpp"
 #include "groundscale/odometry/mounting_estimate.hpp"
 #include "groundscale/odometry/odometry.hpp"
 #include "groundscale/odometry/pairwise.hpp"
@@ -47,15 +48,6 @@ class KeyframeOdometry final : public Odometry {
  private:
   KeyframeOdometry(const CameraSetup& setup, const OdometryOptions& options, PairwiseOdometry pairwise);
 
-  /// A frame of the latest stretch of road.
-  struct TrailFrame {
-    int index = 0;
-    double time_s = 0.0;
-    RigidTransform cam_from_world;
-    int keyframe = -1;  ///< Serial of the reference; -1 where the bridge placed it.
-    RigidTransform cam_from_keyframe;
-  };
-
   // Bridging (keyframe_start.cpp).
   const FrameResult& bridge(const TrackedFrame& present);
   void adopt_bridge_scale();
@@ -71,12 +63,10 @@ class KeyframeOdometry final : public Odometry {
   const FrameResult& map_frame(FrameResult result, TrackedFrame& present);
   const FrameResult& stand(FrameResult result, const TrackedFrame& present);
   std::optional<RigidTransform> locate(const TrackedPoints& tracked, double time_s, FrameResult& result);
-  RigidTransform predicted_pose(double time_s) const;
   bool stands_still(const TrackedPoints& tracked) const;
   bool wants_keyframe(const TrackedPoints& tracked) const;
   void add_keyframe(const TrackedFrame& present, const RigidTransform& cam_from_world);
   void correct_map();
-  void refresh_trail();
   const FrameResult& append(FrameResult result, const RigidTransform& world_from_cam_m);
   const FrameResult& coast(FrameResult result, const TrackedFrame& present, std::string reason);
 
@@ -87,7 +77,6 @@ class KeyframeOdometry final : public Odometry {
   void measure_road(FrameResult& result, const TrackedFrame& present, bool look);
   void hold_by_ground(const ScaleReport& report);
   void take_report(FrameResult& result, const ScaleReport& report, double curvature_per_m);
-  std::vector<RigidTransform> trail_poses() const;
 
   CameraPtr camera_;
   double camera_height_m_;
@@ -103,7 +92,7 @@ class KeyframeOdometry final : public Odometry {
   RoadTracks road_;
   ScaleKeeper keeper_;
   std::deque<TrackedFrame> recent_;
-  std::deque<TrailFrame> trail_;
+  MapTrail trail_;
   std::optional<Eigen::Vector3d> road_normal_in_world_;
   std::optional<double> pending_correction_;
   std::vector<ScaleEvent> corrections_;

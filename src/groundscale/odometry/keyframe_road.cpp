@@ -16,12 +16,6 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 }  // namespace
 
-std::vector<RigidTransform> KeyframeOdometry::trail_poses() const {
-  std::vector<RigidTransform> poses;
-  for (const TrailFrame& frame : trail_) poses.push_back(frame.cam_from_world.inverse());
-  return poses;
-}
-
 GroundPlane KeyframeOdometry::expected_road(const RigidTransform& cam_from_world) const {
   const Eigen::Vector3d normal = road_normal_in_world_
                                      ? Eigen::Vector3d(cam_from_world.rotation * *road_normal_in_world_)
@@ -31,10 +25,11 @@ GroundPlane KeyframeOdometry::expected_road(const RigidTransform& cam_from_world
 
 /// Follows the road's points through what the map says that camera and road have done.
 bool KeyframeOdometry::follow_road(const TrackedFrame& present) {
-  const TrailFrame& here = trail_.back();
-  const auto view = std::find_if(trail_.begin(), trail_.end(),
-                                 [this](const TrailFrame& frame) { return frame.index == road_.view_frame(); });
-  if (view == trail_.end()) return true;
+  const MapTrail::Frame& here = trail_.latest();
+  const auto& frames = trail_.frames();
+  const auto view = std::find_if(frames.begin(), frames.end(),
+                                 [this](const MapTrail::Frame& frame) { return frame.index == road_.view_frame(); });
+  if (view == frames.end()) return true;
   const GroundPlane road = expected_road(here.cam_from_world);
   RoadWarp warp;
   warp.cam2_from_cam1 = here.cam_from_world * view->cam_from_world.inverse();
@@ -67,9 +62,9 @@ Image KeyframeOdometry::road_region(const TrackedFrame& present, const DrivenPat
 
 void KeyframeOdometry::measure_road(FrameResult& result, const TrackedFrame& present, bool look) {
   const double unit_m = keeper_.held();
-  const TrailFrame& here = trail_.back();
+  const MapTrail::Frame& here = trail_.latest();
   const GroundPlane road = expected_road(here.cam_from_world);
-  const std::vector<RigidTransform> poses = trail_poses();
+  const std::vector<RigidTransform> poses = trail_.world_from_cam();
   const Trail trail = trail_of(poses, unit_m, options_.scale.tie_m + 1.0);
   DrivenPath path =
       path_of_trail(trail, options_.scale.ahead, road.normal_in_cam, mounting_.mounting().forward_in_cam());
@@ -81,14 +76,15 @@ void KeyframeOdometry::measure_road(FrameResult& result, const TrackedFrame& pre
   details_.path = path;
   clock_.lap("road detection");
 
+  const auto& frames = trail_.frames();
   std::vector<RigidTransform> cam_from_world;
-  for (const TrailFrame& frame : trail_) {
-    while (!cam_from_world.empty() && trail_.front().index + static_cast<int>(cam_from_world.size()) < frame.index) {
+  for (const MapTrail::Frame& frame : frames) {
+    while (!cam_from_world.empty() && frames.front().index + static_cast<int>(cam_from_world.size()) < frame.index) {
       cam_from_world.push_back(cam_from_world.back());  // of a frame that stood
     }
     cam_from_world.push_back(frame.cam_from_world);
   }
-  const std::vector<RoadTracks::Point> points = road_.points(cam_from_world, trail_.front().index);
+  const std::vector<RoadTracks::Point> points = road_.points(cam_from_world, frames.front().index);
   ScaleKeeper::Input input;
   input.time_s = present.frame.time_s;
   input.world_from_cam = poses;
@@ -100,12 +96,12 @@ void KeyframeOdometry::measure_road(FrameResult& result, const TrackedFrame& pre
   for (const RoadTracks::Point& point : points) {
     input.road_points_in_world.push_back(point.point_in_world);
     input.turned_since_seen_rad.push_back(
-        turned[static_cast<std::size_t>(std::max(0, point.mean_frame - trail_.front().index))]);
+        turned[static_cast<std::size_t>(std::max(0, point.mean_frame - frames.front().index))]);
   }
   input.mounting = mounting_.mounting();
   input.expected_normal = mounting_.mean_normal();
-  if (trail_.size() >= 2) {
-    const TrailFrame& before = trail_[trail_.size() - 2];
+  if (frames.size() >= 2) {
+    const MapTrail::Frame& before = frames[frames.size() - 2];
     const double turn = log_so3(here.cam_from_world.rotation * before.cam_from_world.rotation.transpose()).norm();
     input.turn_rate_dps = turn / kDegree / std::max(1e-3, here.time_s - before.time_s);
   }
@@ -122,12 +118,8 @@ void KeyframeOdometry::measure_road(FrameResult& result, const TrackedFrame& pre
 
   // What lies too far behind for the plane is forgotten.
   constexpr double kKeptM = 25.0;
-  while (trail_.size() > 3 &&
-         unit_m * (trail_[0].cam_from_world.inverse().translation - here.cam_from_world.inverse().translation).norm() >
-             kKeptM) {
-    trail_.pop_front();
-  }
-  road_.forget_before(trail_.front().index);
+  trail_.forget_behind(kKeptM, unit_m);
+  road_.forget_before(trail_.frames().front().index);
 }
 
 /// Continuous correction: the ground's metres of the latest step between keyframes for the next adjustment. The map's
@@ -135,7 +127,7 @@ void KeyframeOdometry::measure_road(FrameResult& result, const TrackedFrame& pre
 void KeyframeOdometry::hold_by_ground(const ScaleReport& report) {
   const auto& keyframes = map_.keyframes();
   if (options_.odometry.scale_correction != ScaleCorrection::kContinuous || !report.reason.empty()) return;
-  if (keyframes.back().frame != trail_.back().index || keyframes.size() < 2) return;
+  if (keyframes.back().frame != trail_.latest().index || keyframes.size() < 2) return;
   const RigidTransform step =
       keyframes[keyframes.size() - 2].cam_from_world * keyframes.back().cam_from_world.inverse();
   const double distance_m = *report.measured * step.translation.norm();
@@ -167,7 +159,7 @@ void KeyframeOdometry::take_report(FrameResult& result, const ScaleReport& repor
   constexpr int kMinInliers = 40;
   constexpr double kMaxSd = 0.03;
   if (result.road_inliers >= kMinInliers && report.measured_sd <= kMaxSd) {
-    road_normal_in_world_ = trail_.back().cam_from_world.rotation.transpose() * report.plane_in_cam.normal_in_cam;
+    road_normal_in_world_ = trail_.latest().cam_from_world.rotation.transpose() * report.plane_in_cam.normal_in_cam;
   }
 }
 

@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 
 #include "groundscale/odometry/keyframe.hpp"
-#include "groundscale/odometry/keyframe_internal.hpp"
 
 namespace groundscale {
 
@@ -95,13 +94,13 @@ bool KeyframeOdometry::start_map(const TrackedFrame& present) {
   mounting_ = bridge_.pairwise().mounting_estimate();
   keeper_.start(1.0, options_.scale.filter.start_sd);
   begin_trail();
-  trail_.back().keyframe = serial;
+  trail_.hang_latest_on_itself(serial);
   const Keyframe& a = map_.keyframes().front();
   const Keyframe& b = map_.keyframes().back();
   links_.begin_map(a, world_from_first);
   const RigidTransform link = a.cam_from_world * b.cam_from_world.inverse();
   links_.latest() = {first->index, link, 1.0, true, true, link};
-  refresh_trail();
+  trail_.follow(map_);
   links_.place_keyframes(map_);
   online_poses_.back() = links_.latest_pose_m(map_);
   const std::size_t before = online_poses_.size() - 2;  // a map has two views
@@ -126,7 +125,7 @@ void KeyframeOdometry::begin_trail() {
   while (oldest > 0 && (pose_of(oldest).translation - here).norm() < kTrailM) --oldest;
   for (std::size_t k = oldest; k < frames.size(); ++k) {
     const FrameResult& result = results_[static_cast<std::size_t>(frames[k])];
-    trail_.push_back({frames[k], result.time_s, pose_of(k).inverse(), -1, {}});
+    trail_.add(frames[k], result.time_s, pose_of(k).inverse());
   }
 }
 
@@ -169,8 +168,8 @@ std::optional<RigidTransform> KeyframeOdometry::find_again(TrackedFrame& present
   if (lost_views_.empty() || present.frame.image.empty() || present.tracked.points.size() < kLeastTracks) {
     return std::nullopt;
   }
-  auto found =
-      relocalise(lost_views_, present.frame.image, *camera_, predicted_pose(time_s), options_.keyframe.resection, rng_);
+  auto found = relocalise(lost_views_, present.frame.image, *camera_, trail_.predicted_pose(time_s),
+                          options_.keyframe.resection, rng_);
   if (!found) return std::nullopt;
   tracker_.revive(found->sights);
   present.tracked = {tracker_.points(), tracker_.followed()};
@@ -189,16 +188,12 @@ void KeyframeOdometry::close_gap(const TrackedFrame& present, const RigidTransfo
   lost_since_s_.reset();
   lost_views_.clear();
   mapping_ = true;
-  while (trail_.size() > 1 && trail_.back().index > located_) trail_.pop_back();
+  trail_.forget_after(located_);
   if (gap > 0) {
-    const TrailFrame& from = trail_.back();
     const Keyframe& keyframe = map_.keyframes().back();
-    const RigidTransform motion = cam_from_world * from.cam_from_world.inverse();
-    const double span_s = time_between(from.time_s, present.frame.time_s);
     for (int k = located_ + 1; k < present.index; ++k) {
       const auto index = static_cast<std::size_t>(k);
-      const double share = std::clamp((results_[index].time_s - from.time_s) / span_s, 0.0, 1.0);
-      const RigidTransform pose = share_of(motion, share) * from.cam_from_world;
+      const RigidTransform pose = trail_.pose_between(cam_from_world, present.frame.time_s, results_[index].time_s);
       const RigidTransform link = keyframe.cam_from_world * pose.inverse();
       links_[k] = {keyframe.frame, link, keeper_.held(), true, false};
       results_[index].reference = keyframe.frame;
