@@ -39,6 +39,7 @@ KeyframeOdometry::KeyframeOdometry(const CameraSetup& setup, const OdometryOptio
       mounting_(pairwise.mounting_estimate()),
       bridge_(setup, options, std::move(pairwise)),
       map_(setup.camera, options.keyframe.map),
+      lost_(setup.camera, options.keyframe.resection),
       road_(setup.camera, options.road.tracking, options.keyframe.road),
       keeper_(*setup.height_m, options.odometry.scale_correction, options.scale) {}
 
@@ -59,7 +60,7 @@ const FrameResult& KeyframeOdometry::advance(const Frame& frame, const Image& ro
   result.scaled = scaled_;
   result.tracks = static_cast<int>(present.tracked.points.size());
   result.tracks_kept = present.tracked.followed;
-  const bool has_map = mapping_ || lost_since_s_;
+  const bool has_map = mapping_ || lost_.waiting();
   const FrameResult& done = has_map ? map_frame(std::move(result), present) : bridge(present);
   // At a halt all frames are compared with its first one: tracks don't creep away, nor do cars that pass wipe them out.
   if (done.state == FrameState::kStill && done.reason == kStandingStill) tracker_ = before;

@@ -8,10 +8,10 @@
 
 #include "groundscale/core/rng.hpp"
 #include "groundscale/mapping/local_map.hpp"
-#include "groundscale/mapping/relocalise.hpp"
 #include "groundscale/mapping/resection.hpp"
 #include "groundscale/mapping/road_tracks.hpp"
 #include "groundscale/odometry/bridge.hpp"
+#include "groundscale/odometry/lost_map.hpp"
 #include "groundscale/odometry/map_trail.hpp"
 #include "groundscale/odometry/mounting_estimate.hpp"
 #include "groundscale/odometry/odometry.hpp"
@@ -56,7 +56,6 @@ class KeyframeOdometry final : public Odometry {
   void begin_trail();
   void lose_map(const TrackedFrame& present);
   std::optional<RigidTransform> find_again(TrackedFrame& present, FrameResult& result);
-  void remember_views();
   void close_gap(const TrackedFrame& present, const RigidTransform& cam_from_world);
 
   // Mapping.
@@ -89,6 +88,7 @@ class KeyframeOdometry final : public Odometry {
   Bridge bridge_;
 
   LocalMap map_;
+  LostMap lost_;
   RoadTracks road_;
   ScaleKeeper keeper_;
   std::deque<TrackedFrame> recent_;
@@ -100,9 +100,7 @@ class KeyframeOdometry final : public Odometry {
   bool correction_open_ = false;         ///< The last one waits for its first measurement.
   std::vector<TrackPoint> halt_points_;  ///< Of the last frame that moved.
   bool mapping_ = false;
-  std::optional<double> lost_since_s_;  ///< The map carries no frames, but may be found again.
-  std::vector<MapView> lost_views_;     ///< What it looked like.
-  int located_ = 0;                     ///< Result of the last frame that the map has located.
+  int located_ = 0;  ///< Result of the last frame that the map has located.
 
   std::vector<FrameResult> results_;
   PoseLinks links_;

@@ -1,6 +1,5 @@
 // How the keyframe odometry gets along without a map: frames carried by the pairwise odometry, a map begun and lost.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -16,7 +15,7 @@ const FrameResult& KeyframeOdometry::bridge(const TrackedFrame& present) {
   clock_.lap("bridging");
   const RigidTransform step = bridge_.latest_step();
   links_.add({present.index - 1, step, 1.0, false, false});
-  if (lost_since_s_) {
+  if (lost_.waiting()) {
     keeper_.pass(present.frame.time_s, 0.0);  // the map's scale still counts where it is found again
   } else {
     keeper_.skip();
@@ -78,8 +77,7 @@ bool KeyframeOdometry::start_map(const TrackedFrame& present) {
   metric.translation *= present_from_first.translation.norm();
 
   map_.clear();
-  lost_since_s_.reset();
-  lost_views_.clear();
+  lost_.forget();
   const RigidTransform world_from_first = online_poses_.back() * metric;
   map_.add(first->index, world_from_first.inverse(), first->tracked.points);
   const int serial = map_.add(present.index, online_poses_.back().inverse(), present.tracked.points);
@@ -132,44 +130,15 @@ void KeyframeOdometry::begin_trail() {
 /// The pairwise odometry goes on from the last frames that the map carried.
 void KeyframeOdometry::lose_map(const TrackedFrame& present) {
   mapping_ = false;
-  lost_since_s_ = present.frame.time_s;
+  lost_.wait(present.frame.time_s);
   road_.clear();
   bridge_.restart(mounting_.mounting(), recent_, results_);
 }
 
-/// The map as the last frames that it located saw it, for a frame that has lost it.
-void KeyframeOdometry::remember_views() {
-  lost_views_.clear();
-  constexpr std::array<int, 3> kFramesBack{0, 5, 15};
-  for (const int back : kFramesBack) {
-    const auto seen = std::find_if(recent_.rbegin(), recent_.rend(), [this, back](const TrackedFrame& recent) {
-      return recent.index <= located_ - back;
-    });
-    if (seen == recent_.rend()) break;
-    MapView view{seen->frame.image, {}};
-    for (const TrackPoint& track : seen->tracked.points) {
-      const Eigen::Vector3d* point = map_.point_of(track.id);
-      if (point != nullptr) view.landmarks.push_back({track.id, track.pixel, *point});
-    }
-    lost_views_.push_back(std::move(view));
-  }
-}
-
-/// Pose of a frame that has lost the map, by what the map looked like; its landmarks are followed again from here.
+/// Pose of a frame that has lost the map; the landmarks that it shows are followed again from here.
 std::optional<RigidTransform> KeyframeOdometry::find_again(TrackedFrame& present, FrameResult& result) {
-  const double time_s = present.frame.time_s;
-  if (mapping_) remember_views();
-  constexpr double kLongestS = 5.0;
-  if (lost_since_s_ && time_s - *lost_since_s_ > kLongestS) {
-    lost_since_s_.reset();
-    lost_views_.clear();
-  }
-  constexpr std::size_t kLeastTracks = 30;  // else there is nothing to see
-  if (lost_views_.empty() || present.frame.image.empty() || present.tracked.points.size() < kLeastTracks) {
-    return std::nullopt;
-  }
-  auto found = relocalise(lost_views_, present.frame.image, *camera_, trail_.predicted_pose(time_s),
-                          options_.keyframe.resection, rng_);
+  if (mapping_) lost_.remember(map_, recent_, located_);
+  const auto found = lost_.find(present, trail_.predicted_pose(present.frame.time_s), rng_);
   if (!found) return std::nullopt;
   tracker_.revive(found->sights);
   present.tracked = {tracker_.points(), tracker_.followed()};
@@ -185,8 +154,7 @@ std::optional<RigidTransform> KeyframeOdometry::find_again(TrackedFrame& present
 /// The map carries frames again: those since it was lost lie evenly between the last one that it located and this one.
 void KeyframeOdometry::close_gap(const TrackedFrame& present, const RigidTransform& cam_from_world) {
   const int gap = present.index - located_ - 1;
-  lost_since_s_.reset();
-  lost_views_.clear();
+  lost_.forget();
   mapping_ = true;
   trail_.forget_after(located_);
   if (gap > 0) {
