@@ -1,15 +1,10 @@
 #include "groundscale/odometry/keyframe.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <utility>
 
-#include <Eigen/Geometry>
-
-#include "groundscale/geometry/so3.hpp"
-
 namespace groundscale {
+
 Result<std::unique_ptr<Odometry>> make_odometry(const CameraSetup& setup, const OdometryOptions& options) {
   if (options.odometry.mode == OdometryMode::kPairwise) {
     auto pairwise = PairwiseOdometry::create(setup, options);
@@ -30,17 +25,14 @@ Result<std::unique_ptr<KeyframeOdometry>> KeyframeOdometry::create(const CameraS
 
 KeyframeOdometry::KeyframeOdometry(const CameraSetup& setup, const OdometryOptions& options, PairwiseOdometry pairwise)
     : camera_(setup.camera),
-      camera_height_m_(*setup.height_m),
       options_(options),
       tracking_mask_(allowed_of(setup.vehicle_mask)),
       rng_(static_cast<std::uint64_t>(options.seed)),
       tracker_(options.tracking),
-      detector_(pairwise.shared_detector()),
-      mounting_(pairwise.mounting_estimate()),
+      road_(setup, options, pairwise),
       bridge_(setup, options, std::move(pairwise)),
       map_(setup.camera, options.keyframe.map),
       lost_(setup.camera, options.keyframe.resection),
-      road_(setup.camera, options.road.tracking, options.keyframe.road),
       keeper_(*setup.height_m, options.odometry.scale_correction, options.scale) {}
 
 const FrameResult& KeyframeOdometry::advance(const Frame& frame, const Image& road_mask) {
@@ -147,12 +139,13 @@ const FrameResult& KeyframeOdometry::map_frame(FrameResult result, TrackedFrame&
   const Keyframe& keyframe = map_.keyframes().back();
   const RigidTransform cam_from_keyframe = trail_.add(present.index, present.frame.time_s, *pose, keyframe);
   halt_points_ = present.tracked.points;
-  const bool look = follow_road(present);
+  road_.follow(present, trail_, keeper_.held());
+  clock_.lap("road tracking");
   links_.add({keyframe.frame, cam_from_keyframe.inverse(), keeper_.held(), true, false});
   if (wants_keyframe(present.tracked)) add_keyframe(present, *pose);
   trail_.follow(map_);
   clock_.lap("map");
-  measure_road(result, present, look);
+  measure_scale(result, present);
   links_.latest().unit_m = keeper_.held();
   links_.place_keyframes(map_);
   const RigidTransform world_from_cam = links_.latest_pose_m(map_);
@@ -182,12 +175,64 @@ void KeyframeOdometry::add_keyframe(const TrackedFrame& present, const RigidTran
   std::vector<TrackPoint> points = present.tracked.points;
   // Points of the road, which are tracked better than others so near, under ids beyond those of the tracker.
   constexpr TrackId kRoad = TrackId{1} << 40;
-  for (const Match& match : details_.road_matches) points.push_back({match.id + kRoad, match.pixel2});
+  for (const Match& match : road_.matches()) points.push_back({match.id + kRoad, match.pixel2});
   const int serial = map_.add(present.index, cam_from_world, points);
   if (pending_correction_) correct_map();
   map_.triangulate();
   map_.adjust();
   trail_.hang_latest_on_itself(serial);
+}
+
+/// Road and scale.
+void KeyframeOdometry::measure_scale(FrameResult& result, const TrackedFrame& present) {
+  const double unit_m = keeper_.held();
+  road_.look(present, trail_, unit_m, clock_);
+  clock_.lap("road detection");
+  const ScaleKeeper::Input input = road_.observe(trail_);
+  clock_.lap("road points");
+  const ScaleReport report = keeper_.advance(input);
+  hold_by_ground(report);
+  road_.accept(report, trail_);
+  road_.describe(details_);
+  take_report(result, report);
+  clock_.lap("scale");
+  // What lies too far behind for the plane is forgotten.
+  constexpr double kKeptM = 25.0;
+  trail_.forget_behind(kKeptM, unit_m);
+  road_.forget_before(trail_.frames().front().index);
+}
+
+/// Continuous correction: the ground's metres of the latest step between keyframes for the next adjustment. The map's
+/// unit is to be a metre.
+void KeyframeOdometry::hold_by_ground(const ScaleReport& report) {
+  const auto& keyframes = map_.keyframes();
+  if (options_.odometry.scale_correction != ScaleCorrection::kContinuous || !report.reason.empty()) return;
+  if (keyframes.back().frame != trail_.latest().index || keyframes.size() < 2) return;
+  const RigidTransform step =
+      keyframes[keyframes.size() - 2].cam_from_world * keyframes.back().cam_from_world.inverse();
+  const double distance_m = *report.measured * step.translation.norm();
+  if (distance_m > 0.0) map_.set_distance(distance_m, report.measured_sd / options_.keyframe.ground_weight);
+}
+
+void KeyframeOdometry::take_report(FrameResult& result, const ScaleReport& report) {
+  result.reason = report.reason;
+  result.road_matches = report.points_on_path;
+  result.road_inliers = static_cast<int>(report.inliers.size());
+  result.map_scale = report.held;
+  result.online_step_sd = report.held_sd;
+  if (!report.measured) return;
+  result.raw_over_online = *report.measured / report.held;
+  result.drift_ratio = report.drift_ratio;
+  last_drift_ratio_ = *report.drift_ratio;
+  if (correction_open_ && report.reason.empty()) {
+    corrections_.back().drift_after = *report.drift_ratio;
+    correction_open_ = false;
+  }
+  result.raw_sd = report.measured_sd;
+  const PlaneAngles angles = plane_angles(report.plane_in_cam.normal_in_cam);
+  result.pitch_rad = angles.pitch_rad;
+  result.roll_rad = angles.roll_rad;
+  if (report.correction) pending_correction_ = report.correction;
 }
 
 /// Algorithm 2: the local map grows by lambda about its oldest keyframe, and what was seen before it is left alone.

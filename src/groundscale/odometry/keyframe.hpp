@@ -9,14 +9,13 @@
 #include "groundscale/core/rng.hpp"
 #include "groundscale/mapping/local_map.hpp"
 #include "groundscale/mapping/resection.hpp"
-#include "groundscale/mapping/road_tracks.hpp"
 #include "groundscale/odometry/bridge.hpp"
 #include "groundscale/odometry/lost_map.hpp"
 #include "groundscale/odometry/map_trail.hpp"
-#include "groundscale/odometry/mounting_estimate.hpp"
 #include "groundscale/odometry/odometry.hpp"
 #include "groundscale/odometry/pairwise.hpp"
 #include "groundscale/odometry/pose_links.hpp"
+#include "groundscale/odometry/road_follower.hpp"
 #include "groundscale/scale/scale_keeper.hpp"
 #include "groundscale/tracking/tracker.hpp"
 
@@ -42,8 +41,8 @@ class KeyframeOdometry final : public Odometry {
   std::vector<RigidTransform> final_poses() const override { return final_poses_; }
   std::vector<ScaleEvent> corrections() const override { return corrections_; }
   const StageClock& clock() const override { return clock_; }
-  const RoadDetector* road_detector() const override { return detector_.get(); }
-  Mounting mounting() const override { return mounting_.mounting(); }
+  const RoadDetector* road_detector() const override { return road_.detector(); }
+  Mounting mounting() const override { return road_.mounting().mounting(); }
 
  private:
   KeyframeOdometry(const CameraSetup& setup, const OdometryOptions& options, PairwiseOdometry pairwise);
@@ -58,7 +57,7 @@ class KeyframeOdometry final : public Odometry {
   std::optional<RigidTransform> find_again(TrackedFrame& present, FrameResult& result);
   void close_gap(const TrackedFrame& present, const RigidTransform& cam_from_world);
 
-  // Mapping.
+  // Mapping, in the order of a frame.
   const FrameResult& map_frame(FrameResult result, TrackedFrame& present);
   const FrameResult& stand(FrameResult result, const TrackedFrame& present);
   std::optional<RigidTransform> locate(const TrackedPoints& tracked, double time_s, FrameResult& result);
@@ -66,34 +65,25 @@ class KeyframeOdometry final : public Odometry {
   bool wants_keyframe(const TrackedPoints& tracked) const;
   void add_keyframe(const TrackedFrame& present, const RigidTransform& cam_from_world);
   void correct_map();
+  void measure_scale(FrameResult& result, const TrackedFrame& present);
+  void hold_by_ground(const ScaleReport& report);
+  void take_report(FrameResult& result, const ScaleReport& report);
   const FrameResult& append(FrameResult result, const RigidTransform& world_from_cam_m);
   const FrameResult& coast(FrameResult result, const TrackedFrame& present, std::string reason);
 
-  // Road (keyframe_road.cpp).
-  GroundPlane expected_road(const RigidTransform& cam_from_world) const;
-  bool follow_road(const TrackedFrame& present);
-  Image road_region(const TrackedFrame& present, const DrivenPath& path, const GroundPlane& road);
-  void measure_road(FrameResult& result, const TrackedFrame& present, bool look);
-  void hold_by_ground(const ScaleReport& report);
-  void take_report(FrameResult& result, const ScaleReport& report, double curvature_per_m);
-
   CameraPtr camera_;
-  double camera_height_m_;
   OdometryOptions options_;
   Image tracking_mask_;
   Rng rng_;
   Tracker tracker_;
-  std::shared_ptr<RoadDetector> detector_;
-  MountingEstimate mounting_;
+  RoadFollower road_;
   Bridge bridge_;
 
   LocalMap map_;
   LostMap lost_;
-  RoadTracks road_;
   ScaleKeeper keeper_;
   std::deque<TrackedFrame> recent_;
   MapTrail trail_;
-  std::optional<Eigen::Vector3d> road_normal_in_world_;
   std::optional<double> pending_correction_;
   std::vector<ScaleEvent> corrections_;
   double last_drift_ratio_ = 1.0;

@@ -1,9 +1,6 @@
 // How the keyframe odometry gets along without a map: frames carried by the pairwise odometry, a map begun and lost.
 #include <algorithm>
-#include <cmath>
 #include <utility>
-
-#include <Eigen/Geometry>
 
 #include "groundscale/odometry/keyframe.hpp"
 
@@ -89,7 +86,6 @@ bool KeyframeOdometry::start_map(const TrackedFrame& present) {
   }
   mapping_ = true;
   located_ = present.index;
-  mounting_ = bridge_.pairwise().mounting_estimate();
   keeper_.start(1.0, options_.scale.filter.start_sd);
   begin_trail();
   trail_.hang_latest_on_itself(serial);
@@ -104,9 +100,8 @@ bool KeyframeOdometry::start_map(const TrackedFrame& present) {
   const std::size_t before = online_poses_.size() - 2;  // a map has two views
   results_.back().online_step_m = (online_poses_.back().translation - online_poses_[before].translation).norm();
   halt_points_ = present.tracked.points;
-  road_normal_in_world_.reset();
   pending_correction_.reset();
-  road_.clear();
+  road_.begin(bridge_.pairwise().mounting_estimate());
   clock_.lap("bridging");
   return true;
 }
@@ -131,8 +126,8 @@ void KeyframeOdometry::begin_trail() {
 void KeyframeOdometry::lose_map(const TrackedFrame& present) {
   mapping_ = false;
   lost_.wait(present.frame.time_s);
-  road_.clear();
-  bridge_.restart(mounting_.mounting(), recent_, results_);
+  road_.lose();
+  bridge_.restart(mounting(), recent_, results_);
 }
 
 /// Pose of a frame that has lost the map; the landmarks that it shows are followed again from here.
