@@ -21,6 +21,16 @@ std::optional<double> error_px(const Keyframe& keyframe, const Camera& camera, c
 
 Eigen::Vector3d centre_of(const Keyframe& keyframe) { return keyframe.cam_from_world.inverse().translation; }
 
+/// c + scale (X - c), for points and for the centres of cameras. In this order X near c keeps all its digits.
+Eigen::Vector3d scaled_about(const Eigen::Vector3d& c, double scale, const Eigen::Vector3d& point_in_world) {
+  return c + scale * (point_in_world - c);
+}
+RigidTransform scaled_about(const Eigen::Vector3d& c, double scale, const RigidTransform& cam_from_world) {
+  RigidTransform world_from_cam = cam_from_world.inverse();
+  world_from_cam.translation = scaled_about(c, scale, world_from_cam.translation);
+  return world_from_cam.inverse();
+}
+
 }  // namespace
 
 void visit_fields(LocalMapOptions& options, FieldVisitor& visitor) {
@@ -202,12 +212,10 @@ void LocalMap::adjust() {
   const double scale = scale_kept(window, bundle);
   const Eigen::Vector3d origin = centre_of(keyframes_[window.begin]);
   for (std::size_t k = window.free; k < keyframes_.size(); ++k) {
-    RigidTransform world_from_cam = bundle.views[k - window.begin].cam_from_world.inverse();
-    world_from_cam.translation = origin + scale * (world_from_cam.translation - origin);
-    keyframes_[k].cam_from_world = world_from_cam.inverse();
+    keyframes_[k].cam_from_world = scaled_about(origin, scale, bundle.views[k - window.begin].cam_from_world);
   }
   for (std::size_t i = 0; i < used; ++i) {
-    seen[i]->point_in_world = Eigen::Vector3d(origin + scale * (bundle.points_in_world[i] - origin));
+    seen[i]->point_in_world = scaled_about(origin, scale, bundle.points_in_world[i]);
   }
   for (std::size_t i = used; i < seen.size(); ++i) retriangulate(*seen[i]);
   drop_bad_sights();
@@ -255,14 +263,11 @@ const Keyframe& LocalMap::scale(double lambda) {
   const std::size_t begin = keyframes_.size() > free ? keyframes_.size() - free : 0;
   boundary_ = keyframes_[begin].serial;
   const Eigen::Vector3d origin = centre_of(keyframes_[begin]);
-  const auto scaled = [&](const Eigen::Vector3d& point) { return Eigen::Vector3d(origin + lambda * (point - origin)); };
   for (std::size_t k = begin; k < keyframes_.size(); ++k) {
-    RigidTransform world_from_cam = keyframes_[k].cam_from_world.inverse();
-    world_from_cam.translation = scaled(world_from_cam.translation);
-    keyframes_[k].cam_from_world = world_from_cam.inverse();
+    keyframes_[k].cam_from_world = scaled_about(origin, lambda, keyframes_[k].cam_from_world);
   }
   for (auto& [id, landmark] : landmarks_) {
-    if (landmark.point_in_world) landmark.point_in_world = scaled(*landmark.point_in_world);
+    if (landmark.point_in_world) landmark.point_in_world = scaled_about(origin, lambda, *landmark.point_in_world);
   }
   forget_old();
   return *find(boundary_);
