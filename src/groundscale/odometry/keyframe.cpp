@@ -4,6 +4,16 @@
 #include <utility>
 
 namespace groundscale {
+namespace {
+
+/// @param points  Ids ascending. @return null where the id isn't among them.
+const TrackPoint* find_point(const std::vector<TrackPoint>& points, TrackId id) {
+  const auto found = std::lower_bound(points.begin(), points.end(), id,
+                                      [](const TrackPoint& point, TrackId wanted) { return point.id < wanted; });
+  return found != points.end() && found->id == id ? &*found : nullptr;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<Odometry>> make_odometry(const CameraSetup& setup, const OdometryOptions& options) {
   if (options.odometry.mode == OdometryMode::kPairwise) {
@@ -36,7 +46,8 @@ KeyframeOdometry::KeyframeOdometry(const CameraSetup& setup, const OdometryOptio
       keeper_(*setup.height_m, options.odometry.scale_correction, options.scale) {}
 
 const FrameResult& KeyframeOdometry::advance(const Frame& frame, const Image& road_mask) {
-  details_ = {};
+  landmarks_.clear();
+  agreeing_.clear();
   clock_.skip();
   TrackedFrame present{frame, road_mask, {}, static_cast<int>(results_.size())};
   const Tracker before = tracker_;
@@ -74,12 +85,11 @@ bool KeyframeOdometry::stands_still(const TrackedPoints& tracked) const {
 std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& tracked, double time_s,
                                                        FrameResult& result) {
   std::vector<PointSight> sights;
-  std::vector<TrackId> ids;
   for (const TrackPoint& point : tracked.points) {
     const Eigen::Vector3d* known = map_.point_of(point.id);
     if (known == nullptr) continue;
     sights.push_back({*known, point.pixel});
-    ids.push_back(point.id);
+    landmarks_.push_back(point.id);
   }
   result.matches = static_cast<int>(sights.size());
   constexpr double kMinShare = 0.5;
@@ -92,25 +102,16 @@ std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& trac
     if (again && (!found || again->inliers.size() > found->inliers.size())) found = std::move(again);
   }
   if (!found) {
+    landmarks_.clear();
     result.reason = found.error().message;
     return std::nullopt;
   }
   std::vector<bool> agreed(sights.size(), false);
   for (const int i : found->inliers) agreed[static_cast<std::size_t>(i)] = true;
-  map_.judge(ids, agreed);
+  map_.judge(landmarks_, agreed);
   result.inliers = static_cast<int>(found->inliers.size());
   result.rms_px = found->rms_px;
-  details_.inliers = found->inliers;
-  if (!recent_.empty()) {
-    Matches matches = match_by_id(recent_.back().tracked.points, tracked.points);
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      const auto match = std::lower_bound(matches.begin(), matches.end(), ids[i],
-                                          [](const Match& m, TrackId id) { return m.id < id; });
-      details_.matches.push_back(
-          match != matches.end() && match->id == ids[i] ? *match : Match{ids[i], sights[i].pixel, sights[i].pixel});
-    }
-  }
-  details_.pairs = ray_pairs(details_.matches, *camera_);
+  agreeing_ = std::move(found->inliers);
   return found->cam_from_world;
 }
 
@@ -193,7 +194,6 @@ void KeyframeOdometry::measure_scale(FrameResult& result, const TrackedFrame& pr
   const ScaleReport report = keeper_.advance(input);
   hold_by_ground(report);
   road_.accept(report, trail_);
-  road_.describe(details_);
   take_report(result, report);
   clock_.lap("scale");
   // What lies too far behind for the plane is forgotten.
@@ -268,6 +268,23 @@ const FrameResult& KeyframeOdometry::append(FrameResult result, const RigidTrans
   online_poses_.push_back(world_from_cam_m);
   results_.push_back(std::move(result));
   return results_.back();
+}
+
+FrameDetails KeyframeOdometry::details() const {
+  const int latest = static_cast<int>(results_.size()) - 1;
+  const std::vector<int>& bridged = bridge_.frames();
+  if (!bridged.empty() && bridged.back() == latest) return bridge_.pairwise().details();
+  FrameDetails details;
+  if (results_.empty() || results_.back().state != FrameState::kMoving) return details;  // nothing was measured
+  road_.describe(details);
+  details.inliers = agreeing_;
+  for (const TrackId id : landmarks_) {
+    const TrackPoint* now = find_point(recent_.back().tracked.points, id);
+    const TrackPoint* before = find_point(recent_[recent_.size() - 2].tracked.points, id);
+    details.matches.push_back({id, (before != nullptr ? before : now)->pixel, now->pixel});
+  }
+  details.pairs = ray_pairs(details.matches, *camera_);
+  return details;
 }
 
 void KeyframeOdometry::finish() {

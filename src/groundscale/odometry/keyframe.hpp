@@ -35,7 +35,7 @@ class KeyframeOdometry final : public Odometry {
   void finish() override;
 
   const std::vector<FrameResult>& results() const override { return results_; }
-  const FrameDetails& details() const override { return details_; }
+  FrameDetails details() const override;
   bool scaled() const override { return scaled_; }
   const std::vector<RigidTransform>& online_poses() const override { return online_poses_; }
   std::vector<RigidTransform> final_poses() const override { return final_poses_; }
@@ -90,12 +90,13 @@ class KeyframeOdometry final : public Odometry {
   bool correction_open_ = false;         ///< The last one waits for its first measurement.
   std::vector<TrackPoint> halt_points_;  ///< Of the last frame that moved.
   bool mapping_ = false;
-  int located_ = 0;  ///< Result of the last frame that the map has located.
+  int located_ = 0;                 ///< Result of the last frame that the map has located.
+  std::vector<TrackId> landmarks_;  ///< That the present frame was placed by,
+  std::vector<int> agreeing_;       ///< those of them that agree.
 
   std::vector<FrameResult> results_;
   PoseLinks links_;
   std::vector<RigidTransform> online_poses_, final_poses_;
-  FrameDetails details_;
   StageClock clock_;
   bool scaled_ = false;
 };

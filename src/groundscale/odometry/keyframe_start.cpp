@@ -8,7 +8,6 @@ namespace groundscale {
 
 const FrameResult& KeyframeOdometry::bridge(const TrackedFrame& present) {
   FrameResult result = bridge_.advance(present);
-  details_ = bridge_.pairwise().details();
   clock_.lap("bridging");
   const RigidTransform step = bridge_.latest_step();
   links_.add({present.index - 1, step, 1.0, false, false});

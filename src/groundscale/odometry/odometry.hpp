@@ -17,7 +17,7 @@
 
 namespace groundscale {
 
-/// What a frame was measured from, for pictures and figures. Valid until the next frame.
+/// What a frame was measured from, for pictures and figures.
 struct FrameDetails {
   Image reference_image;  ///< Of the partner, in which the region lies.
   Image region;
@@ -45,7 +45,8 @@ class Odometry {
   virtual void finish() = 0;
 
   virtual const std::vector<FrameResult>& results() const = 0;
-  virtual const FrameDetails& details() const = 0;
+  /// Of the latest frame; put together when it is asked for.
+  virtual FrameDetails details() const = 0;
   /// Whether scale is known; before, online poses are in a provisional unit.
   virtual bool scaled() const = 0;
   /// Poses from frames up to each one's own, in metres once `scaled`.

@@ -56,7 +56,7 @@ class PairwiseOdometry final : public Odometry {
   void finish() override;
 
   const std::vector<FrameResult>& results() const override { return results_; }
-  const FrameDetails& details() const override { return details_; }
+  FrameDetails details() const override { return details_; }
   bool scaled() const override { return scaled_; }
   const std::vector<RigidTransform>& online_poses() const override { return online_poses_; }
   std::vector<RigidTransform> final_poses() const override;
