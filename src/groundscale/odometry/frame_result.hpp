@@ -55,7 +55,7 @@ struct FrameResult {
   double rms_px = 0.0;                ///< by their epipolar error.
   int road_matches = 0;               ///< The same for the road and its plane, by their transfer error.
   int road_inliers = 0;
-  double road_rms_px = 0.0;
+  double road_rms_px = 0.0;  ///< 0 also where the plane is the map's and none of its points was followed here.
 
   bool accepted() const { return raw_over_online.has_value() && reason.empty(); }
 };

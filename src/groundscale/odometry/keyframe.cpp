@@ -195,6 +195,7 @@ void KeyframeOdometry::measure_scale(FrameResult& result, const TrackedFrame& pr
   hold_by_ground(report);
   road_.accept(report, trail_);
   take_report(result, report);
+  result.road_rms_px = road_.rms_px();
   clock_.lap("scale");
   // What lies too far behind for the plane is forgotten.
   constexpr double kKeptM = 25.0;

@@ -1,6 +1,7 @@
 #include "groundscale/odometry/road_follower.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <set>
 
@@ -40,6 +41,7 @@ GroundPlane RoadFollower::expected_road(const RigidTransform& cam_from_world) co
 void RoadFollower::follow(const TrackedFrame& present, const MapTrail& trail, double unit_m) {
   matches_.clear();
   inliers_.clear();
+  rms_px_ = 0.0;
   reference_image_ = {};
   region_ = {};
   warp_.reset();
@@ -56,6 +58,7 @@ void RoadFollower::follow(const TrackedFrame& present, const MapTrail& trail, do
   warp.road_in_cam1 = {warp.cam2_from_cam1.rotation.transpose() * road.normal_in_cam, road.height};
   matches_ = road_.follow(present.frame.image, present.index, warp);
   reference_image_ = road_.view().image;
+  reference_ = view->index;
   warp_ = warp;
   constexpr double kMinBaseline = 0.2;  // of the camera's height
   due_ = warp.cam2_from_cam1.translation.norm() > kMinBaseline * camera_height_m_;
@@ -130,7 +133,9 @@ void RoadFollower::accept(const ScaleReport& report, const MapTrail& trail) {
   for (std::size_t i = 0; i < matches_.size(); ++i) {
     if (on_plane.contains(matches_[i].id)) inliers_.push_back(static_cast<int>(i));
   }
-  if (!report.measured || !report.reason.empty()) return;
+  if (!report.measured) return;
+  rms_px_ = transfer_rms_px(report.plane_in_cam, trail);
+  if (!report.reason.empty()) return;
   const PlaneAngles angles = plane_angles(report.plane_in_cam.normal_in_cam);
   mounting_.accept(angles.pitch_rad, angles.roll_rad, mounting_weight(path_.curvature_per_m, report.measured_sd));
   // A poor fit must not lead the tracking of the road's points.
@@ -139,6 +144,28 @@ void RoadFollower::accept(const ScaleReport& report, const MapTrail& trail) {
   if (report.inliers.size() >= kMinInliers && report.measured_sd <= kMaxSd) {
     road_normal_in_world_ = trail.latest().cam_from_world.rotation.transpose() * report.plane_in_cam.normal_in_cam;
   }
+}
+
+/// @param road_in_cam  In the map's unit, as the trail is.
+double RoadFollower::transfer_rms_px(const GroundPlane& road_in_cam, const MapTrail& trail) const {
+  const auto& frames = trail.frames();
+  const auto reference = std::find_if(frames.begin(), frames.end(),
+                                      [this](const MapTrail::Frame& frame) { return frame.index == reference_; });
+  if (reference == frames.end()) return 0.0;
+  const RigidTransform reference_from_cam = reference->cam_from_world * trail.latest().cam_from_world.inverse();
+  const Eigen::Matrix3d homography =
+      homography_of_plane(road_in_cam.seen_from(reference_from_cam), reference_from_cam.inverse());
+  double squares = 0.0;
+  int count = 0;
+  for (const int i : inliers_) {
+    const Match& match = matches_[static_cast<std::size_t>(i)];
+    const auto ray = camera_->ray(match.pixel1);
+    const auto pixel = ray ? camera_->project(homography * *ray) : std::nullopt;
+    if (!pixel) continue;
+    squares += (match.pixel2 - *pixel).squaredNorm();
+    ++count;
+  }
+  return count > 0 ? std::sqrt(squares / count) : 0.0;
 }
 
 void RoadFollower::describe(FrameDetails& details) const {

@@ -43,6 +43,9 @@ class RoadFollower {
 
   /// Points of the present frame that were followed into it.
   const Matches& matches() const { return matches_; }
+  /// Their transfer error |pixel2 - project(H ray1)| by the plane that was measured, rms of those that lie on it; 0
+  /// where none do.
+  double rms_px() const { return rms_px_; }
   /// Fills what concerns the road.
   void describe(FrameDetails& details) const;
 
@@ -50,6 +53,7 @@ class RoadFollower {
   const RoadDetector* detector() const { return detector_.get(); }
 
  private:
+  double transfer_rms_px(const GroundPlane& road_in_cam, const MapTrail& trail) const;
   GroundPlane expected_road(const RigidTransform& cam_from_world) const;
   Image road_region(const TrackedFrame& present, const DrivenPath& path, const GroundPlane& road, StageClock& clock);
 
@@ -67,7 +71,9 @@ class RoadFollower {
   std::vector<int> inliers_;        ///< Of the matches.
   Image reference_image_, region_;  ///< That the matches come from; where new points were looked for.
   std::optional<RoadWarp> warp_;    ///< From the reference, in metres; empty where no points were followed.
-  bool due_ = true;                 ///< Whether it's time for new points.
+  int reference_ = -1;              ///< Index of the frame that the matches come from.
+  double rms_px_ = 0.0;
+  bool due_ = true;  ///< Whether it's time for new points.
   DrivenPath path_;
   std::vector<RoadTracks::Point> points_;
 };

@@ -111,7 +111,7 @@ MatchingFigures matching_figures(const std::vector<FrameResult>& results) {
     if (r.road_matches == 0 || r.road_inliers == 0) continue;
     road_matches.push_back(r.road_matches);
     road_inlier_ratio.push_back(static_cast<double>(r.road_inliers) / r.road_matches);
-    road_rms_px.push_back(r.road_rms_px);
+    if (r.road_rms_px > 0.0) road_rms_px.push_back(r.road_rms_px);
     if (r.accepted()) pitches.push_back(*r.pitch_rad / kDegree);
   }
   MatchingFigures figures;
@@ -123,7 +123,7 @@ MatchingFigures matching_figures(const std::vector<FrameResult>& results) {
   if (road_matches.empty()) return figures;
   figures.road_matches = median(road_matches);
   figures.road_inlier_ratio = median(road_inlier_ratio);
-  figures.road_rms_px = median(road_rms_px);
+  if (!road_rms_px.empty()) figures.road_rms_px = median(road_rms_px);
   figures.pitch_sd_deg = sd_of(pitches);
   return figures;
 }
