@@ -73,9 +73,7 @@ Image RoadFollower::road_region(const TrackedFrame& present, const DrivenPath& p
   Image allowed = intersect_masks(tracking_mask_, present.road_mask);
   if (detector_) {
     clock.lap("road detection");
-    std::optional<RoadWarp> warp;
-    if (road_.view_frame() >= 0) warp = warp_.value_or(RoadWarp{});
-    allowed = intersect_masks(allowed, detector_->advance(present.frame.image, warp));
+    allowed = intersect_masks(allowed, detector_->advance(present.frame.image, warp_));
     clock.lap("road network");
   }
   return restrict_region(strip, allowed);
