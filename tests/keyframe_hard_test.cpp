@@ -1,6 +1,7 @@
 // Hard stretches made from one rendered street: what the keyframe odometry must survive, against the truth. Where a
 // stretch is seen its length is within 3 % of the truth: a map that has just begun is measured by the road over its
 // first metres to 1 or 2 %.
+#include "groundscale/camera/pinhole.hpp"
 #include "hard_drive.hpp"
 
 namespace groundscale {
@@ -97,6 +98,46 @@ TEST(KeyframeHard, ASecondOfBlackFramesIsNoHalt) {
     EXPECT_EQ(count_of(result, FrameState::kStill), 1U);  // the first of all
     EXPECT_NEAR(length_ratio(result, feed, 60, kFrames - 1), 1.0, kLength);
     EXPECT_NEAR(length_ratio(result, feed, 49, 60), 1.0, 0.05);
+  }
+}
+
+/// A map must not begin with a step whose length was guessed: before the first frame that sees nothing is known of the
+/// speed. With so much parallax asked for, a map takes more than one step.
+TEST(KeyframeHard, BlackFramesAtTheStartWhileDriving) {
+  Feed feed = street();
+  for (std::size_t k = 0; k < 10; ++k) feed[k].image = black();
+  OdometryOptions options;
+  for (const double parallax_px : {15.0, 45.0}) {
+    options.keyframe.start_parallax_px = parallax_px;
+    const DriveRun result = run(feed, setup_of(camera()), options);
+    expect_whole(result, feed);
+    for (std::size_t k = 14; k < 40; ++k) {
+      EXPECT_NEAR(length_of(result.online, k - 1, k), 1.0, 0.15) << k << ", " << parallax_px;
+      EXPECT_NEAR(length_of(result.finals, k - 1, k), 1.0, 0.1) << k << ", " << parallax_px;
+    }
+    EXPECT_NEAR(length_ratio(result, feed, 20, kFrames - 1), 1.0, kLength);
+  }
+}
+
+/// The first map is too small when it ends, for the camera's distortion is not what its calibration says; the second
+/// one begins with a scale of its own, which its first steps have too.
+TEST(KeyframeHard, TheFirstStepsOfASecondMapHaveItsScale) {
+  Feed feed(street().rbegin(), street().rend());  // the bend first, backwards
+  for (std::size_t k = 0; k < feed.size(); ++k) feed[k].time_s = 0.1 * static_cast<double>(k);
+  for (std::size_t k = 45; k < 100; ++k) feed[k].image = black();
+  CameraSetup setup = setup_of(camera());
+  setup.camera =
+      PinholeCamera::create({.fx = 300.0, .fy = 300.0, .cx = 239.5, .cy = 60.0, .k1 = 0.08}, 480, 200).value();
+  const DriveRun result = run(feed, setup);
+  const double held = result.results[44].map_scale.value_or(1.0);
+  EXPECT_GT(std::abs(held - 1.0), 0.05) << "the first map should have drifted";
+  double before = 0.0;
+  for (std::size_t k = 102; k < feed.size(); ++k) {
+    const double step_m = length_of(result.finals, k - 1, k);
+    if (before > 0.0) {
+      EXPECT_NEAR(step_m / before, 1.0, 0.04) << k;
+    }
+    before = step_m;
   }
 }
 

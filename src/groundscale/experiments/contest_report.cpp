@@ -110,6 +110,7 @@ Plot scale_plot(const ContestedDrive& drive) {
     plot.curves.push_back({.title = contender.label, .x = 0, .y = column, .colour = column});
     plot.columns.push_back(column_of(contender.label));
   }
+  if (pieces < 2) return plot;  // no line
   for (std::size_t k = 0; k < pieces; ++k) {
     std::vector<std::optional<double>> row = {std::nullopt};
     for (const Contender& contender : drive.contenders) {

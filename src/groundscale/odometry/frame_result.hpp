@@ -62,10 +62,10 @@ struct FrameResult {
 
 /// That a local map was scaled by lambda because its scale had drifted.
 struct ScaleEvent {
-  int frame = 0;              ///< Its number in the source.
-  double lambda = 1.0;        ///< What the map was scaled by.
-  double drift_before = 1.0;  ///< Drift ratio of the last measurement before,
-  double drift_after = 1.0;   ///< and of the first one after; 1 where none came.
+  int frame = 0;                      ///< Its number in the source.
+  double lambda = 1.0;                ///< What the map was scaled by.
+  double drift_before = 1.0;          ///< Drift ratio of the last measurement before,
+  std::optional<double> drift_after;  ///< and of the first one after; empty where none came.
 };
 
 }  // namespace groundscale

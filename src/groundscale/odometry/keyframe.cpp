@@ -13,6 +13,9 @@ const TrackPoint* find_point(const std::vector<TrackPoint>& points, TrackId id) 
   return found != points.end() && found->id == id ? &*found : nullptr;
 }
 
+/// Road points have ids of their own, which in the map lie beyond those of the tracker.
+constexpr TrackId kFirstRoadId = TrackId{1} << 40;
+
 }  // namespace
 
 Result<std::unique_ptr<Odometry>> make_odometry(const CameraSetup& setup, const OdometryOptions& options) {
@@ -118,8 +121,10 @@ std::optional<RigidTransform> KeyframeOdometry::locate(const TrackedPoints& trac
 bool KeyframeOdometry::wants_keyframe(const TrackedPoints& tracked) const {
   const Keyframe& last = map_.keyframes().back();
   const Matches matches = match_by_id(last.points, tracked.points);
-  const double share =
-      static_cast<double>(matches.size()) / std::max<double>(1.0, static_cast<double>(last.points.size()));
+  // The road's points are followed elsewhere.
+  const auto own = std::count_if(last.points.begin(), last.points.end(),
+                                 [](const TrackPoint& point) { return point.id < kFirstRoadId; });
+  const double share = static_cast<double>(matches.size()) / std::max(1.0, static_cast<double>(own));
   if (share < options_.keyframe.min_share) return true;
   return fit_rotation(ray_pairs(matches, *camera_), camera_->focal_px()).parallax_px >=
          options_.keyframe.min_parallax_px;
@@ -174,11 +179,10 @@ void KeyframeOdometry::add_keyframe(const TrackedFrame& present, const RigidTran
   links_.latest().is_keyframe = true;
   links_.latest().as_tracked = links_.latest().reference_from_cam;
   std::vector<TrackPoint> points = present.tracked.points;
-  // Points of the road, which are tracked better than others so near, under ids beyond those of the tracker.
-  constexpr TrackId kRoad = TrackId{1} << 40;
-  for (const Match& match : road_.matches()) points.push_back({match.id + kRoad, match.pixel2});
+  // Points of the road, which are tracked better than others so near.
+  for (const Match& match : road_.matches()) points.push_back({match.id + kFirstRoadId, match.pixel2});
   const int serial = map_.add(present.index, cam_from_world, points);
-  if (pending_correction_) correct_map();
+  if (pending_correction_) correct_map(present.frame.index);
   map_.triangulate();
   map_.adjust();
   trail_.hang_latest_on_itself(serial);
@@ -237,14 +241,16 @@ void KeyframeOdometry::take_report(FrameResult& result, const ScaleReport& repor
 }
 
 /// Algorithm 2: the local map grows by lambda about its oldest keyframe, and what was seen before it is left alone.
-void KeyframeOdometry::correct_map() {
-  const Keyframe& oldest = map_.scale(*pending_correction_);
-  keeper_.corrected(*pending_correction_);
-  corrections_.push_back({results_.back().frame + 1, *pending_correction_, last_drift_ratio_, 1.0});
+void KeyframeOdometry::correct_map(int frame) {
+  const double lambda = *pending_correction_;
+  const Keyframe& oldest = map_.scale(lambda);
+  keeper_.corrected(lambda);
+  corrections_.push_back({frame, lambda, last_drift_ratio_, std::nullopt});
   correction_open_ = true;
   pending_correction_.reset();
   // The road's points are placed by the scaled part of the trail alone.
   trail_.forget_before(oldest.frame);
+  trail_.scale(lambda);
 }
 
 const FrameResult& KeyframeOdometry::coast(FrameResult result, const TrackedFrame& present, std::string reason) {

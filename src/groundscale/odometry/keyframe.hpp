@@ -51,7 +51,9 @@ class KeyframeOdometry final : public Odometry {
   const FrameResult& bridge(const TrackedFrame& present);
   void adopt_bridge_scale();
   void close_bridge();
+  bool is_guessed_after(int index) const;
   bool start_map(const TrackedFrame& present);
+  int hang_bridge_on(int first, std::size_t bridged);
   void begin_trail();
   void lose_map(const TrackedFrame& present);
   std::optional<RigidTransform> find_again(TrackedFrame& present, FrameResult& result);
@@ -64,7 +66,7 @@ class KeyframeOdometry final : public Odometry {
   bool stands_still(const TrackedPoints& tracked) const;
   bool wants_keyframe(const TrackedPoints& tracked) const;
   void add_keyframe(const TrackedFrame& present, const RigidTransform& cam_from_world);
-  void correct_map();
+  void correct_map(int frame);
   void measure_scale(FrameResult& result, const TrackedFrame& present);
   void hold_by_ground(const ScaleReport& report);
   void take_report(FrameResult& result, const ScaleReport& report);

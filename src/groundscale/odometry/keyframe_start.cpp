@@ -45,6 +45,13 @@ void KeyframeOdometry::close_bridge() {
   }
 }
 
+/// Whether a step since that frame is only a guess.
+bool KeyframeOdometry::is_guessed_after(int index) const {
+  return std::any_of(results_.begin() + index + 1, results_.end(), [](const FrameResult& result) {
+    return result.state == FrameState::kBridged || result.state == FrameState::kLost;
+  });
+}
+
 bool KeyframeOdometry::start_map(const TrackedFrame& present) {
   // The oldest view that still shares enough points: none has more parallax.
   const KeyframeOptions& options = options_.keyframe;
@@ -55,6 +62,7 @@ bool KeyframeOdometry::start_map(const TrackedFrame& present) {
   for (const TrackedFrame& candidate : recent_) {
     const auto bridged = std::lower_bound(frames.begin(), frames.end(), candidate.index);
     if (bridged == frames.end() || *bridged != candidate.index) continue;
+    if (is_guessed_after(candidate.index)) continue;
     const Matches matches = match_by_id(candidate.tracked.points, present.tracked.points);
     if (static_cast<int>(matches.size()) < options.start_matches) continue;
     rays = ray_pairs(matches, *camera_);
@@ -72,20 +80,18 @@ bool KeyframeOdometry::start_map(const TrackedFrame& present) {
   RigidTransform metric = motion.cam2_from_cam1;
   metric.translation *= present_from_first.translation.norm();
 
-  map_.clear();
-  lost_.forget();
+  LocalMap map(camera_, options.map);
   const RigidTransform world_from_first = online_poses_.back() * metric;
-  map_.add(first->index, world_from_first.inverse(), first->tracked.points);
-  const int serial = map_.add(present.index, online_poses_.back().inverse(), present.tracked.points);
-  map_.triangulate();
-  map_.adjust();
-  if (map_.point_count() < options.start_points) {
-    map_.clear();
-    return false;
-  }
+  map.add(first->index, world_from_first.inverse(), first->tracked.points);
+  const int serial = map.add(present.index, online_poses_.back().inverse(), present.tracked.points);
+  map.triangulate();
+  map.adjust();
+  if (map.point_count() < options.start_points) return false;  // a map that is lost may still be found again
+  map_ = std::move(map);
+  lost_.forget();
   mapping_ = true;
   located_ = present.index;
-  keeper_.start(1.0, options_.scale.filter.start_sd);
+  keeper_.start(1.0, options_.scale.filter.start_sd, hang_bridge_on(first->index, first_bridged));
   begin_trail();
   trail_.hang_latest_on_itself(serial);
   const Keyframe& a = map_.keyframes().front();
@@ -100,9 +106,32 @@ bool KeyframeOdometry::start_map(const TrackedFrame& present) {
   results_.back().online_step_m = (online_poses_.back().translation - online_poses_[before].translation).norm();
   halt_points_ = present.tracked.points;
   pending_correction_.reset();
+  correction_open_ = false;
   road_.begin(bridge_.pairwise().mounting_estimate());
   clock_.lap("bridging");
   return true;
+}
+
+/// Frames that were bridged since a map's first view hang on it: what becomes of the map's scale reaches them too.
+/// @param bridged  The first view, counted in the stretch. @return how many frames there are, the present one included.
+int KeyframeOdometry::hang_bridge_on(int first, std::size_t bridged) {
+  const std::vector<int>& frames = bridge_.frames();
+  for (std::size_t k = bridged + 1; k + 1 < frames.size(); ++k) {
+    if (links_[frames[k]].by_map) continue;  // of the map before
+    const RigidTransform first_from_cam = bridge_.pose(bridged).inverse() * bridge_.pose(k);
+    links_[frames[k]] = {first, first_from_cam, 1.0, true, false};
+    FrameResult& result = results_[static_cast<std::size_t>(frames[k])];
+    result.reference = first;
+    result.reference_from_cam = first_from_cam.rotation;
+    const double distance = first_from_cam.translation.norm();
+    result.direction_in_reference = distance > 0.0 ? Eigen::Vector3d(first_from_cam.translation / distance)
+                                                   : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  }
+  const int present = frames.back();
+  int own = 1;
+  const auto is_older = [this, first](int k) { return links_[k].by_map && links_[k].reference != first; };
+  while (own < present - first && !is_older(present - own)) ++own;
+  return own;
 }
 
 /// The way over the bridge, up to the present frame.
@@ -124,6 +153,7 @@ void KeyframeOdometry::begin_trail() {
 /// The pairwise odometry goes on from the last frames that the map carried.
 void KeyframeOdometry::lose_map(const TrackedFrame& present) {
   mapping_ = false;
+  correction_open_ = false;
   lost_.wait(present.frame.time_s);
   road_.lose();
   bridge_.restart(mounting(), recent_, results_);

@@ -66,6 +66,10 @@ void MapTrail::follow(const LocalMap& map) {
   }
 }
 
+void MapTrail::scale(double lambda) {
+  for (Frame& frame : frames_) frame.cam_from_keyframe.translation *= lambda;
+}
+
 void MapTrail::forget_after(int index) {
   while (frames_.size() > 1 && frames_.back().index > index) frames_.pop_back();
 }

@@ -43,6 +43,8 @@ class MapTrail {
 
   /// Frames go where the keyframes of the map have gone.
   void follow(const LocalMap& map);
+  /// What lies between frames and their keyframes grows with the map; their own poses follow with `follow`.
+  void scale(double lambda);
   void forget_after(int index);   ///< All but the oldest.
   void forget_before(int index);  ///< All but the latest two.
   /// Frames farther from the latest one than that; all but the latest three.

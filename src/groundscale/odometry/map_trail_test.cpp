@@ -70,5 +70,16 @@ TEST(MapTrail, ForgetsAllButTheLatest) {
   EXPECT_EQ(trail.frames().size(), 1u);
 }
 
+TEST(MapTrail, GrowsWithTheMap) {
+  const auto camera = PinholeCamera::create({400.0, 400.0, 320.0, 240.0}, 640, 480);
+  LocalMap map(camera.value(), {});
+  map.add(0, cam_at(10.0), {});
+  MapTrail trail;
+  trail.add(8, 0.8, cam_at(11.0), map.keyframes().front());
+  trail.scale(1.5);
+  trail.follow(map);
+  EXPECT_NEAR(z_of(trail.frames()[0].cam_from_world), 11.5, 1e-12);
+}
+
 }  // namespace
 }  // namespace groundscale

@@ -133,6 +133,16 @@ void visit_fields(OdometryOptions& options, FieldVisitor& visitor) {
   visitor.group("scale", options.scale);
 }
 
+namespace {
+
+Result<void> check_strip(std::string_view group, const StripOptions& strip) {
+  if (strip.near_m < strip.far_m) return {};
+  return Error{ErrorCode::kBadInput,
+               fmt::format("{0}.near_m: {1} must be below {0}.far_m, {2}", group, strip.near_m, strip.far_m)};
+}
+
+}  // namespace
+
 Result<void> OdometryOptions::validate() const {
   if (const auto ranges = check_ranges(*this); !ranges) return ranges;
   if (find_plane_method(ground.method) == nullptr) {
@@ -141,10 +151,8 @@ Result<void> OdometryOptions::validate() const {
     return Error{ErrorCode::kBadInput,
                  fmt::format("ground.method: \"{}\" is unknown, known: {}", ground.method, known)};
   }
-  if (road.region.near_m >= road.region.far_m) {
-    return Error{ErrorCode::kBadInput, fmt::format("road.region.near_m: {} must be below road.region.far_m, {}",
-                                                   road.region.near_m, road.region.far_m)};
-  }
+  if (const auto strip = check_strip("road.region", road.region); !strip) return strip;
+  if (const auto strip = check_strip("keyframe.region", keyframe.region); !strip) return strip;
   if (road.search.min_step_m >= road.search.max_step_m) {
     return Error{ErrorCode::kBadInput,
                  fmt::format("road.search.min_step_m: {} must be below road.search.max_step_m, {}",

@@ -77,7 +77,7 @@ struct KeyframeOptions {
   double start_parallax_px = 15.0;  ///< Of the two views that a map starts from,
   int start_matches = 100;          ///< with so many points in common
   int start_points = 60;            ///< and so many landmarks.
-  RegionOptions region{.far_m = 15.0, .half_width_m = 1.5, .polygon_px = {}};
+  StripOptions region{.far_m = 15.0, .half_width_m = 1.5};
   double ground_weight = 0.1;  ///< Of the ground in the bundle adjustment, over what its sd says (continuous).
   LocalMapOptions map;
   ResectionOptions resection;

@@ -46,9 +46,14 @@ RigidTransform PoseLinks::latest_pose_m(const LocalMap& map) const {
 
 std::vector<RigidTransform> PoseLinks::poses_m(std::span<const MapScaleFilter::Smoothed> smoothed) const {
   GS_CHECK(smoothed.empty() || smoothed.size() == links_.size(), "a scale for each frame, or none");
+  // The keyframe after each frame that hangs on the same one. Two maps may have begun at a keyframe: the nearer counts.
+  std::vector<int> next_of(links_.size(), -1);
   std::vector<int> next_keyframe(links_.size(), -1);
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    if (links_[k].is_keyframe) next_keyframe[static_cast<std::size_t>(links_[k].reference)] = static_cast<int>(k);
+  for (std::size_t k = links_.size(); k-- > 0;) {
+    if (links_[k].reference < 0) continue;
+    int& next = next_keyframe[static_cast<std::size_t>(links_[k].reference)];
+    next_of[k] = next;
+    if (links_[k].is_keyframe) next = static_cast<int>(k);
   }
   std::vector<RigidTransform> poses;
   poses.reserve(links_.size());
@@ -59,16 +64,13 @@ std::vector<RigidTransform> PoseLinks::poses_m(std::span<const MapScaleFilter::S
       continue;
     }
     const double unit_m = link.by_map && !smoothed.empty() ? std::exp(smoothed[k].log_scale) : link.unit_m;
-    poses.push_back(poses[static_cast<std::size_t>(link.reference)] *
-                    in_metres(final_link(link, next_keyframe), unit_m));
+    poses.push_back(poses[static_cast<std::size_t>(link.reference)] * in_metres(final_link(link, next_of[k]), unit_m));
   }
   return poses;
 }
 
-RigidTransform PoseLinks::final_link(const PoseLink& link, const std::vector<int>& next_keyframe) const {
-  if (!link.by_map || link.is_keyframe) return link.reference_from_cam;
-  const int next = next_keyframe[static_cast<std::size_t>(link.reference)];
-  if (next < 0) return link.reference_from_cam;
+RigidTransform PoseLinks::final_link(const PoseLink& link, int next) const {
+  if (!link.by_map || link.is_keyframe || next < 0) return link.reference_from_cam;
   const RigidTransform& before = links_[static_cast<std::size_t>(next)].as_tracked;
   const RigidTransform& after = links_[static_cast<std::size_t>(next)].reference_from_cam;
   const double length_before = before.translation.norm();

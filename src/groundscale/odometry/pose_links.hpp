@@ -44,7 +44,7 @@ class PoseLinks {
   std::vector<RigidTransform> poses_m(std::span<const MapScaleFilter::Smoothed> smoothed) const;
 
  private:
-  RigidTransform final_link(const PoseLink& link, const std::vector<int>& next_keyframe) const;
+  RigidTransform final_link(const PoseLink& link, int next) const;
 
   std::vector<PoseLink> links_;
   std::map<int, RigidTransform> keyframes_m_;  ///< world_from_cam in metres, by serial.

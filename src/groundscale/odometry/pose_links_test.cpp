@@ -63,5 +63,15 @@ TEST(PoseLinks, AKeyframeThatTheMapMovesTakesAlongWhatHangsOnIt) {
   EXPECT_NEAR(links.latest_pose_m(map).translation.z(), 100.0 + 2.0 * 5.0 + 0.5 * 1.0, 1e-12);
 }
 
+TEST(PoseLinks, AMapThatBeginsAtAnOlderKeyframeLeavesTheFramesBeforeItAlone) {
+  PoseLinks links = two_keyframes();
+  links[2].reference_from_cam = at(8.0);  // frame 1 lies at a quarter of it
+  links.add(keyframe_link(0, at(6.0)));   // another map, from frame 0 on,
+  links[3].reference_from_cam = at(60.0);
+  const auto poses = links.poses_m({});
+  EXPECT_NEAR(poses[1].translation.z(), 2.0, 1e-12);
+  EXPECT_NEAR(poses[3].translation.z(), 60.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace groundscale

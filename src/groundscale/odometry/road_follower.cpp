@@ -67,7 +67,8 @@ void RoadFollower::follow(const TrackedFrame& present, const MapTrail& trail, do
 /// The strip along the path, where it isn't the vehicle's own and detectors see road.
 Image RoadFollower::road_region(const TrackedFrame& present, const DrivenPath& path, const GroundPlane& road,
                                 StageClock& clock) {
-  RegionOptions options = options_.keyframe.region;
+  RegionOptions options;
+  static_cast<StripOptions&>(options) = options_.keyframe.region;
   options.polygon_px = options_.road.region.polygon_px;
   const Image strip = region_mask(path, road, *camera_, options);
   Image allowed = intersect_masks(tracking_mask_, present.road_mask);
@@ -84,7 +85,6 @@ void RoadFollower::look(const TrackedFrame& present, const MapTrail& trail, doub
   const std::vector<RigidTransform> poses = trail.world_from_cam();
   const Trail way = trail_of(poses, unit_m, options_.scale.tie_m + 1.0);
   path_ = path_of_trail(way, options_.scale.ahead, road.normal_in_cam, mounting_.mounting().forward_in_cam());
-  path_.max_turn_rad = options_.road.region.max_turn_deg * kDegree;
   if (due_) {
     region_ = road_region(present, path_, road, clock);
     road_.look(present.frame.image, present.index, region_);

@@ -75,10 +75,11 @@ std::string summary_json(const RunSummary& s) {
   if (s.first_scaled_frame) json["first_scaled_frame"] = *s.first_scaled_frame;
   json["scale_corrections"] = nlohmann::ordered_json::array();
   for (const ScaleEvent& event : s.corrections) {
-    json["scale_corrections"].push_back({{"frame", event.frame},
-                                         {"lambda", event.lambda},
-                                         {"drift_before", event.drift_before},
-                                         {"drift_after", event.drift_after}});
+    json["scale_corrections"].push_back(
+        {{"frame", event.frame},
+         {"lambda", event.lambda},
+         {"drift_before", event.drift_before},
+         {"drift_after", event.drift_after ? nlohmann::json(*event.drift_after) : nlohmann::json()}});
   }
   json["warnings"] = s.warnings;
   json["time"] = {{"wall_s", s.wall_s}, {"median_ms_a_frame", s.median_ms}, {"p95_ms_a_frame", s.p95_ms}};

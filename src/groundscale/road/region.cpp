@@ -40,7 +40,7 @@ Image polygon_mask(const std::vector<double>& polygon_px, int width, int height)
 
 }  // namespace
 
-void visit_fields(RegionOptions& options, FieldVisitor& visitor) {
+void visit_fields(StripOptions& options, FieldVisitor& visitor) {
   visitor.field({.key = "near_m", .unit = "m", .help = "where the strip begins, along the path", .min = 0.5, .max = 50},
                 options.near_m);
   visitor.field({.key = "far_m", .unit = "m", .help = "where the strip ends, along the path", .min = 1, .max = 100},
@@ -48,15 +48,19 @@ void visit_fields(RegionOptions& options, FieldVisitor& visitor) {
   visitor.field(
       {.key = "half_width_m", .unit = "m", .help = "of the strip, to each side of the path", .min = 0.3, .max = 10},
       options.half_width_m);
+  visitor.field(
+      {.key = "turn_far_m", .unit = "m", .help = "where the strip ends in a tight turn", .min = 1, .max = 100},
+      options.turn_far_m);
+}
+
+void visit_fields(RegionOptions& options, FieldVisitor& visitor) {
+  visit_fields(static_cast<StripOptions&>(options), visitor);
   visitor.field({.key = "max_turn_deg",
                  .unit = "deg",
                  .help = "the strip ends where the path has turned by so much",
                  .min = 5,
                  .max = 180},
                 options.max_turn_deg);
-  visitor.field(
-      {.key = "turn_far_m", .unit = "m", .help = "where the strip ends in a tight turn", .min = 1, .max = 100},
-      options.turn_far_m);
   visitor.field({.key = "weight_sd_m",
                  .unit = "m",
                  .help = "road points count less the farther they lie from the path (roads fall off to their sides); "
@@ -66,7 +70,7 @@ void visit_fields(RegionOptions& options, FieldVisitor& visitor) {
                 options.weight_sd_m);
   visitor.field({.key = "polygon_px",
                  .unit = "px",
-                 .help = "x, y, x, y, ... of a fixed region of the image, instead of the strip",
+                 .help = "x, y, x, y, ... of a fixed region of the image, instead of the strip, in both modes",
                  .min = -100000,
                  .max = 100000},
                 options.polygon_px);

@@ -12,13 +12,20 @@
 
 namespace groundscale {
 
-/// Where the road is looked for: a strip along the path that lies ahead, in metres on the road.
-struct RegionOptions {
+/// A strip along the path that lies ahead, in metres on the road.
+struct StripOptions {
   double near_m = 4.0;
   double far_m = 22.0;
   double half_width_m = 2.5;
-  double max_turn_deg = 20.0;  ///< Beyond this turn of the path the strip goes straight on,
-  double turn_far_m = 12.0;    ///< and ends here, along the path, or where the turn is reached.
+  double turn_far_m =
+      12.0;  ///< Where the path has turned by all that it may, the strip ends there, or here if farther.
+};
+
+void visit_fields(StripOptions& options, FieldVisitor& visitor);
+
+/// Where the road is looked for.
+struct RegionOptions : StripOptions {
+  double max_turn_deg = 20.0;  ///< Beyond this turn of the path the strip goes straight on.
   double weight_sd_m = 0.7;    ///< Points count by exp(-u^2 / 2 sd^2), u from the path: roads fall off to their sides.
   std::vector<double> polygon_px;  ///< x, y, x, y, ...: a fixed region of the image instead; its points count the same.
 };

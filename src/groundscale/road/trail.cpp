@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace groundscale {
 namespace {
@@ -78,6 +79,12 @@ void visit_fields(PathAheadOptions& options, FieldVisitor& visitor) {
                  .min = 0,
                  .max = 1000},
                 options.steady_m);
+  visitor.field({.key = "max_turn_deg",
+                 .unit = "deg",
+                 .help = "the path turns by so much, and goes straight on from there",
+                 .min = 5,
+                 .max = 180},
+                options.max_turn_deg);
 }
 
 DrivenPath path_of_trail(const Trail& trail, const PathAheadOptions& options, const Eigen::Vector3d& normal_in_cam,
@@ -89,6 +96,7 @@ DrivenPath path_of_trail(const Trail& trail, const PathAheadOptions& options, co
   }
   DrivenPath path = path_of_motion(past.inverse(), normal_in_cam, mounting_forward_in_cam);
   path.steady_m = options.steady_m;
+  path.max_turn_rad = options.max_turn_deg * std::numbers::pi / 180.0;
   return path;
 }
 

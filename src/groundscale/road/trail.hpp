@@ -26,8 +26,9 @@ struct Trail {
 Trail trail_of(const std::vector<RigidTransform>& world_from_cam, double metres_per_unit, double length_m);
 
 struct PathAheadOptions {
-  double heading_m = 3.0;  ///< Chord and turn are those of the way behind, over so much of it.
-  double steady_m = 6.0;   ///< Within such a way drivers change the curvature by as much as itself; 0: never.
+  double heading_m = 3.0;      ///< Chord and turn are those of the way behind, over so much of it.
+  double steady_m = 6.0;       ///< Within such a way drivers change the curvature by as much as itself; 0: never.
+  double max_turn_deg = 20.0;  ///< The path turns by so much, and goes straight on from there.
 };
 
 void visit_fields(PathAheadOptions& options, FieldVisitor& visitor);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "groundscale/core/check.hpp"
+
 namespace groundscale {
 
 void visit_fields(MapScaleFilterOptions& options, FieldVisitor& visitor) {
@@ -79,6 +81,15 @@ void MapScaleFilter::keep() {
   transition_.setIdentity();
   predicted_ = state_;
   started_ = false;
+}
+
+void MapScaleFilter::keep_again(int frames) {
+  GS_CHECK(frames >= 0 && static_cast<std::size_t>(frames) <= kept_.size(), "frames that were kept");
+  kept_.erase(kept_.end() - frames, kept_.end());
+  for (int k = 0; k < frames; ++k) {
+    predict(0.0, 0.0);
+    keep();
+  }
 }
 
 std::vector<MapScaleFilter::Smoothed> MapScaleFilter::smoothed() const {

@@ -48,6 +48,8 @@ class MapScaleFilter {
 
   /// Closes a frame, so that `smoothed` can return to it.
   void keep();
+  /// The latest frames are of this state too: a start that reaches back. @pre so many were kept.
+  void keep_again(int frames);
   /// Log scale of a frame given the whole drive, with its sd.
   struct Smoothed {
     double log_scale = 0.0;

@@ -291,5 +291,20 @@ TEST(MapScaleFilter, WithoutAnyNoiseStaysFinite) {
   }
 }
 
+TEST(MapScaleFilter, AStartReachesBackToTheFramesThatBelongToIt) {
+  MapScaleFilter filter({});
+  filter.start(1.0, 0.1);
+  for (int k = 0; k < 4; ++k) filter.keep();
+  filter.start(0.0, 0.1);
+  filter.keep_again(3);
+  filter.predict(1.0, 0.0);
+  filter.update(0.2, 1e-3);
+  filter.keep();
+  const auto smoothed = filter.smoothed();
+  ASSERT_EQ(smoothed.size(), 5U);
+  EXPECT_NEAR(smoothed[0].log_scale, 1.0, 1e-12);
+  for (std::size_t k = 1; k < 5; ++k) EXPECT_NEAR(smoothed[k].log_scale, 0.2, 0.01) << k;
+}
+
 }  // namespace
 }  // namespace groundscale

@@ -84,9 +84,10 @@ void visit_fields(ScaleKeeperOptions& options, FieldVisitor& visitor) {
   visitor.group("filter", options.filter);
 }
 
-void ScaleKeeper::start(double metres_per_unit, double sd) {
+void ScaleKeeper::start(double metres_per_unit, double sd, int frames) {
   GS_CHECK(metres_per_unit > 0.0, "a scale is positive");
   filter_.start(std::log(metres_per_unit), sd);
+  filter_.keep_again(frames);
   held_ = metres_per_unit;
   driven_m_ = 0.0;
   since_measured_m_ = options_.correlation_m;

@@ -82,7 +82,8 @@ class ScaleKeeper {
       : camera_height_m_(camera_height_m), correction_(correction), options_(options), filter_(options.filter) {}
 
   /// A map begins, whose unit is metres_per_unit (> 0) up to the sd of its log. Before the first one it is 1.
-  void start(double metres_per_unit, double sd);
+  /// @param frames  So many of the latest frames (advance, pass, skip) belong to it already.
+  void start(double metres_per_unit, double sd, int frames = 0);
 
   /// A frame of the map. Poses and points are in the map's unit, and both as they are now, after its last adjustment.
   struct Input {
