@@ -226,17 +226,21 @@ Candidates candidates_of(const std::vector<MapView>& views, const std::vector<Fe
   return candidates;
 }
 
-Result<Resection> rough_pose(const Candidates& candidates, const Camera& camera, const ResectionOptions& options,
-                             Rng& rng) {
-  auto rough = resect(candidates.sights, camera, options, rng);
-  if (!rough) return rough;
-  constexpr double kMinShare = 0.35;  // less is chance
-  const std::size_t agreed = rough->inliers.size();
-  if (static_cast<double>(agreed) < kMinShare * static_cast<double>(candidates.sights.size())) {
-    return Error{ErrorCode::kTooFewMatches,
-                 fmt::format("only {} of {} landmarks agree with one pose", agreed, candidates.sights.size())};
-  }
-  return rough;
+/// A pose that less than a share of the landmarks agrees with is chance.
+Result<Resection> with_share(Result<Resection> pose, std::size_t landmarks, double min_share) {
+  if (!pose) return pose;
+  const std::size_t agreed = pose->inliers.size();
+  if (static_cast<double>(agreed) >= min_share * static_cast<double>(landmarks)) return pose;
+  return Error{ErrorCode::kTooFewMatches,
+               fmt::format("only {} of {} landmarks agree with one pose", agreed, landmarks)};
+}
+
+/// To be confirmed by the landmarks that are found with it.
+Result<Resection> rough_pose(const Candidates& candidates, const Camera& camera, ResectionOptions options, Rng& rng) {
+  constexpr int kMinInliers = 12;
+  constexpr double kMinShare = 0.25;
+  options.min_inliers = std::min(options.min_inliers, kMinInliers);
+  return with_share(resect(candidates.sights, camera, options, rng), candidates.sights.size(), kMinShare);
 }
 
 }  // namespace
@@ -261,7 +265,8 @@ Result<Relocalised> relocalise(const std::vector<MapView>& views, const Image& i
   for (std::size_t k = 0; k < ends.size(); ++k) {
     if (ends[k]) sights[k] = {sights[k].point_in_world, *ends[k], 1.0};
   }
-  auto refined = refine_pose(sights, camera, rough->cam_from_world, options);
+  constexpr double kMinShare = 0.35;
+  auto refined = with_share(refine_pose(sights, camera, rough->cam_from_world, options), sights.size(), kMinShare);
   if (!refined) return refined.error();
   Relocalised result{std::move(*refined), {}};
   for (const int k : result.pose.inliers) {

@@ -1,5 +1,6 @@
 // How the keyframe odometry gets along without a map: frames carried by the pairwise odometry, a map begun and lost.
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "groundscale/odometry/keyframe.hpp"
@@ -162,7 +163,11 @@ void KeyframeOdometry::lose_map(const TrackedFrame& present) {
 /// Pose of a frame that has lost the map; the landmarks that it shows are followed again from here.
 std::optional<RigidTransform> KeyframeOdometry::find_again(TrackedFrame& present, FrameResult& result) {
   if (mapping_) lost_.remember(map_, recent_, located_);
-  const auto found = lost_.find(present, trail_.predicted_pose(present.frame.time_s), rng_);
+  // At the speed before, or at half of it, or at a halt.
+  const double lost_s = present.frame.time_s - trail_.latest().time_s;
+  const std::array guesses{trail_.predicted_pose(present.frame.time_s),
+                           trail_.predicted_pose(present.frame.time_s - 0.5 * lost_s), trail_.latest().cam_from_world};
+  const auto found = lost_.find(present, guesses, rng_);
   if (!found) return std::nullopt;
   tracker_.revive(found->sights);
   present.tracked = {tracker_.points(), tracker_.followed()};

@@ -27,17 +27,19 @@ void LostMap::forget() {
   views_.clear();
 }
 
-std::optional<Relocalised> LostMap::find(const TrackedFrame& present, const RigidTransform& cam_from_world_guess,
-                                         Rng& rng) {
+std::optional<Relocalised> LostMap::find(const TrackedFrame& present,
+                                         std::span<const RigidTransform> cam_from_world_guesses, Rng& rng) {
   constexpr double kLongestS = 5.0;
   if (since_s_ && present.frame.time_s - *since_s_ > kLongestS) forget();
   constexpr std::size_t kLeastTracks = 30;  // else there is nothing to see
   if (views_.empty() || present.frame.image.empty() || present.tracked.points.size() < kLeastTracks) {
     return std::nullopt;
   }
-  auto found = relocalise(views_, present.frame.image, *camera_, cam_from_world_guess, options_, rng);
-  if (!found) return std::nullopt;
-  return std::move(*found);
+  for (const RigidTransform& guess : cam_from_world_guesses) {
+    auto found = relocalise(views_, present.frame.image, *camera_, guess, options_, rng);
+    if (found) return std::move(*found);
+  }
+  return std::nullopt;
 }
 
 }  // namespace groundscale

@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -29,7 +30,9 @@ class LostMap {
 
   /// Pose of a frame by the views, and the landmarks that it shows (`relocalise`). Nothing where it isn't found; after
   /// too long it is forgotten.
-  std::optional<Relocalised> find(const TrackedFrame& present, const RigidTransform& cam_from_world_guess, Rng& rng);
+  /// @param cam_from_world_guesses  Tried in this order.
+  std::optional<Relocalised> find(const TrackedFrame& present, std::span<const RigidTransform> cam_from_world_guesses,
+                                  Rng& rng);
 
  private:
   CameraPtr camera_;
