@@ -1,7 +1,6 @@
 #include "groundscale/odometry/keyframe.hpp"
 
 #include <cmath>
-#include <set>
 
 #include <gtest/gtest.h>
 
@@ -39,7 +38,6 @@ TEST(KeyframeOdometry, SaysWhatAFrameWasMeasuredFrom) {
   const CameraSetup setup = camera_of(drive);
   auto odometry = KeyframeOdometry::create(setup, {}).value();
   int measured = 0;
-  std::vector<double> rms_px;
   constexpr int kFrames = 16;
   for (int k = 0; k < kFrames; ++k) {
     Frame frame;
@@ -56,7 +54,6 @@ TEST(KeyframeOdometry, SaysWhatAFrameWasMeasuredFrom) {
     // The map's plane and step are as near to the true ones as not to matter beside what a point is tracked by.
     EXPECT_NEAR(result.road_rms_px, true_transfer_rms_px(details, drive, *setup.camera), 0.1) << k;
     EXPECT_GT(result.road_rms_px, 0.0) << k;
-    rms_px.push_back(result.road_rms_px);
   }
   ASSERT_GE(measured, 5);
   RunSummary summary;

@@ -265,10 +265,7 @@ const FrameResult& KeyframeOdometry::coast(FrameResult result, const TrackedFram
 }
 
 const FrameResult& KeyframeOdometry::append(FrameResult result, const RigidTransform& world_from_cam_m) {
-  result.reference = links_.latest().reference;
-  result.reference_from_cam = links_.latest().reference_from_cam.rotation;
-  const Eigen::Vector3d& translation = links_.latest().reference_from_cam.translation;
-  if (translation.norm() > 0.0) result.direction_in_reference = translation.normalized();
+  enter_link(links_.latest(), result);
   if (!online_poses_.empty()) {
     result.online_step_m = (world_from_cam_m.translation - online_poses_.back().translation).norm();
   }

@@ -121,12 +121,7 @@ int KeyframeOdometry::hang_bridge_on(int first, std::size_t bridged) {
     if (links_[frames[k]].by_map) continue;  // of the map before
     const RigidTransform first_from_cam = bridge_.pose(bridged).inverse() * bridge_.pose(k);
     links_[frames[k]] = {first, first_from_cam, 1.0, true, false};
-    FrameResult& result = results_[static_cast<std::size_t>(frames[k])];
-    result.reference = first;
-    result.reference_from_cam = first_from_cam.rotation;
-    const double distance = first_from_cam.translation.norm();
-    result.direction_in_reference = distance > 0.0 ? Eigen::Vector3d(first_from_cam.translation / distance)
-                                                   : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    enter_link(links_[frames[k]], results_[static_cast<std::size_t>(frames[k])]);
   }
   const int present = frames.back();
   int own = 1;
@@ -182,22 +177,15 @@ std::optional<RigidTransform> KeyframeOdometry::find_again(TrackedFrame& present
 
 /// The map carries frames again: those since it was lost lie evenly between the last one that it located and this one.
 void KeyframeOdometry::close_gap(const TrackedFrame& present, const RigidTransform& cam_from_world) {
-  const int gap = present.index - located_ - 1;
   lost_.forget();
   mapping_ = true;
   trail_.forget_after(located_);
-  if (gap > 0) {
-    const Keyframe& keyframe = map_.keyframes().back();
-    for (int k = located_ + 1; k < present.index; ++k) {
-      const auto index = static_cast<std::size_t>(k);
-      const RigidTransform pose = trail_.pose_between(cam_from_world, present.frame.time_s, results_[index].time_s);
-      const RigidTransform link = keyframe.cam_from_world * pose.inverse();
-      links_[k] = {keyframe.frame, link, keeper_.held(), true, false};
-      results_[index].reference = keyframe.frame;
-      results_[index].reference_from_cam = link.rotation;
-      results_[index].direction_in_reference =
-          link.translation.norm() > 0.0 ? link.translation.normalized() : Eigen::Vector3d(Eigen::Vector3d::Zero());
-    }
+  const Keyframe& keyframe = map_.keyframes().back();
+  for (int k = located_ + 1; k < present.index; ++k) {
+    FrameResult& result = results_[static_cast<std::size_t>(k)];
+    const RigidTransform pose = trail_.pose_between(cam_from_world, present.frame.time_s, result.time_s);
+    links_[k] = {keyframe.frame, keyframe.cam_from_world * pose.inverse(), keeper_.held(), true, false};
+    enter_link(links_[k], result);
   }
   located_ = present.index;
 }

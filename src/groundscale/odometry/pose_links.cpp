@@ -18,6 +18,14 @@ RigidTransform in_metres(RigidTransform transform, double unit_m) {
 
 }  // namespace
 
+void enter_link(const PoseLink& link, FrameResult& result) {
+  const Eigen::Vector3d& translation = link.reference_from_cam.translation;
+  result.reference = link.reference;
+  result.reference_from_cam = link.reference_from_cam.rotation;
+  result.direction_in_reference.setZero();
+  if (translation.norm() > 0.0) result.direction_in_reference = translation.normalized();
+}
+
 void PoseLinks::begin_map(const Keyframe& first, const RigidTransform& world_from_cam_m) {
   keyframes_m_.clear();
   keyframes_m_[first.serial] = world_from_cam_m;

@@ -6,6 +6,7 @@
 
 #include "groundscale/geometry/rigid_transform.hpp"
 #include "groundscale/mapping/local_map.hpp"
+#include "groundscale/odometry/frame_result.hpp"
 #include "groundscale/scale/map_scale_filter.hpp"
 
 namespace groundscale {
@@ -19,6 +20,9 @@ struct PoseLink {
   bool is_keyframe = false;
   RigidTransform as_tracked = {};  ///< Of a keyframe: what the link was when it was added.
 };
+
+/// Enters a link into its frame's result.
+void enter_link(const PoseLink& link, FrameResult& result);
 
 /// Poses of a drive in the keyframe odometry: frames hang on keyframes, keyframes on the one before. So a keyframe that
 /// an adjustment has moved is one link, and a scale found later one number.
