@@ -19,6 +19,7 @@ THIRD_PARTIES = {
     "opencv2/": {"io", "tracking", "plane", "road", "mapping", "report", "tests"},
     "yaml-cpp/": {"io"},
     "nlohmann/": {"io", "odometry", "evaluation", "experiments"},
+    "expat.h": {"io"},
     "opengv/": {"motion", "mapping"},
     "ceres/": {"plane", "mapping"},
     "embree3/": {"simulation"},

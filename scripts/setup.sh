@@ -8,7 +8,7 @@ packages=(
   ca-certificates g++ make cmake ninja-build ccache git pkg-config python3
   # Libraries
   libeigen3-dev libfmt-dev libopencv-dev libceres-dev libopengv-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev
-  libembree-dev libtbb-dev
+  libembree-dev libtbb-dev libexpat1-dev
   # Figures of experiments
   gnuplot-nox fonts-dejavu-core
   # Tests, benchmarks, checks
