@@ -88,6 +88,10 @@ Result<void> read_mounting(const YamlPlace& file, CameraSetup* setup) {
   const Result<std::optional<double>> height = read_bounded(file, {"height_m", "above 0 m", 1e-4, HUGE_VAL});
   if (!height) return height.error();
   setup->height_m = *height;
+  const Result<std::optional<double>> sd = read_bounded(file, {"height_sd_m", "at least 0 m", 0.0, HUGE_VAL});
+  if (!sd) return sd.error();
+  if (*sd && !*height) return file.child("height_sd_m").error("is there without height_m");
+  setup->height_sd_m = *sd;
   const std::pair<Bounded, std::optional<double>*> angles[] = {
       {{"pitch_deg", "from -90 to 90 degrees", -90.0, 90.0}, &setup->pitch_rad},
       {{"roll_deg", "from -90 to 90 degrees", -90.0, 90.0}, &setup->roll_rad},
@@ -208,8 +212,8 @@ Result<CameraSetup> read_camera_file(const std::string& path, int image_width, i
   if (!file.node.IsMap()) return bad_input(path + ": must hold keys as in 'model: pinhole'");
   const auto model = find_model(file);
   if (!model) return model.error();
-  std::vector<std::string> known = {"model",    "image_size", "height_m",    "pitch_deg",
-                                    "roll_deg", "yaw_deg",    "vehicle_mask"};
+  std::vector<std::string> known = {"model",     "image_size", "height_m", "height_sd_m",
+                                    "pitch_deg", "roll_deg",   "yaw_deg",  "vehicle_mask"};
   known.insert(known.end(), (*model)->keys.begin(), (*model)->keys.end());
   if (Result<void> keys = check_keys(file, known); !keys) return keys.error();
   const Result<Size> size = read_size(file, {image_width, image_height});
@@ -246,26 +250,31 @@ Result<CameraSetup> read_kitti_calibration(const std::string& path, int image, i
   return setup;
 }
 
-Result<void> write_camera_file(const std::string& path, const CameraSetup& setup) {
+std::string vehicle_mask_path(const std::string& camera_file) {
+  const std::filesystem::path file(camera_file);
+  return (file.parent_path() / (file.stem().string() + "_vehicle_mask.png")).string();
+}
+
+Result<void> write_camera_file(const std::string& path, const CameraSetup& setup, const std::string& comment) {
   GS_CHECK(setup.camera != nullptr, "a camera");
   const Camera& camera = *setup.camera;
-  std::string text = fmt::format("model: {}\nimage_size: [{}, {}]\n", camera.model(), camera.width(), camera.height());
+  std::string text;
+  for (const internal::Line& line : internal::split_lines(comment)) text += fmt::format("# {}\n", line.text);
+  text += fmt::format("model: {}\nimage_size: [{}, {}]\n", camera.model(), camera.width(), camera.height());
   for (const internal::CameraModelFormat& format : internal::camera_model_formats()) {
     if (camera.model() == format.name) text += format.write(camera);
   }
   if (setup.height_m) text += fmt::format("height_m: {}\n", *setup.height_m);
+  if (setup.height_sd_m) text += fmt::format("height_sd_m: {}\n", *setup.height_sd_m);
   const std::pair<const char*, const std::optional<double>*> angles[] = {
       {"pitch_deg", &setup.pitch_rad}, {"roll_deg", &setup.roll_rad}, {"yaw_deg", &setup.yaw_rad}};
   for (const auto& [key, angle] : angles) {
     if (*angle) text += fmt::format("{}: {}\n", key, degrees_that_read_back(**angle));
   }
   if (!setup.vehicle_mask.empty()) {
-    const std::filesystem::path file(path);
-    const std::string mask_name = file.stem().string() + "_vehicle_mask.png";
-    if (Result<void> written = write_image((file.parent_path() / mask_name).string(), setup.vehicle_mask); !written) {
-      return written;
-    }
-    text += fmt::format("vehicle_mask: {{image: \"{}\"}}\n", mask_name);
+    const std::string mask = vehicle_mask_path(path);
+    if (Result<void> written = write_image(mask, setup.vehicle_mask); !written) return written;
+    text += fmt::format("vehicle_mask: {{image: \"{}\"}}\n", std::filesystem::path(mask).filename().string());
   }
   return write_text(path, text);
 }

@@ -19,8 +19,9 @@ inline constexpr double kUnlikelyHeightM = 20.0;
 /// A camera and how it sits on the vehicle, as a camera file says. What the file leaves out is empty.
 struct CameraSetup {
   CameraPtr camera;
-  std::optional<double> height_m;   ///< Above the road, perpendicular to it.
-  std::optional<double> pitch_rad;  ///< Empty: the program finds it in the first seconds.
+  std::optional<double> height_m;     ///< Above the road, perpendicular to it.
+  std::optional<double> height_sd_m;  ///< How well it is known.
+  std::optional<double> pitch_rad;    ///< Empty: the program finds it in the first seconds.
   std::optional<double> roll_rad;
   std::optional<double> yaw_rad;
   Image vehicle_mask;  ///< 255 where the own vehicle is in view; empty where it isn't.
@@ -40,7 +41,9 @@ Result<CameraSetup> read_kitti_calibration(const std::string& path, int image, i
 
 /// Writes a camera.yaml that read_camera_file reads back to the same values (angles, which the file has in degrees, to
 /// the last bit). A vehicle mask goes into a PNG beside it,
-/// `<name>_vehicle_mask.png`. @return kIo.
-Result<void> write_camera_file(const std::string& path, const CameraSetup& setup);
+/// `<name>_vehicle_mask.png`. `comment`, lines of text, goes before all else. @return kIo.
+Result<void> write_camera_file(const std::string& path, const CameraSetup& setup, const std::string& comment = "");
+/// Where write_camera_file puts a vehicle mask.
+std::string vehicle_mask_path(const std::string& camera_file);
 
 }  // namespace groundscale

@@ -127,7 +127,10 @@ TEST(CameraFile, WhatIsWrittenReadsBackToTheSameValues) {
   setup.pitch_rad = 2.5 * M_PI / 180.0;
   setup.vehicle_mask = Image(1241, 376);
   for (int k = 0; k < 1241 * 376; ++k) setup.vehicle_mask.data()[k] = k % 7 == 0 ? 255 : 0;
-  ASSERT_TRUE(write_camera_file(folder / "camera.yaml", setup));
+  setup.height_sd_m = 0.007;
+  ASSERT_TRUE(write_camera_file(folder / "camera.yaml", setup, "where it came from\nand how: twice"));
+  EXPECT_THAT(read_text(folder / "camera.yaml").value(),
+              testing::StartsWith("# where it came from\n# and how: twice\nmodel: pinhole\n"));
   const Result<CameraSetup> back = read_camera_file(folder / "camera.yaml", 1241, 376);
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_EQ(parameters_of(*back).fx, parameters_of(setup).fx);
@@ -135,6 +138,7 @@ TEST(CameraFile, WhatIsWrittenReadsBackToTheSameValues) {
   EXPECT_EQ(parameters_of(*back).k2, parameters_of(setup).k2);
   EXPECT_EQ(parameters_of(*back).p1, parameters_of(setup).p1);
   EXPECT_EQ(back->height_m, setup.height_m);
+  EXPECT_EQ(back->height_sd_m, setup.height_sd_m);
   EXPECT_DOUBLE_EQ(*back->pitch_rad, *setup.pitch_rad);
   EXPECT_FALSE(back->roll_rad);
   EXPECT_EQ(std::string_view(reinterpret_cast<const char*>(back->vehicle_mask.data()), 1241 * 376),
@@ -155,6 +159,8 @@ TEST(CameraFile, ErrorsNameFileLineKeyAndBound) {
               HasSubstr("camera.yaml:2: fx: '.nan' must be a finite number"));
   EXPECT_THAT(camera_error(pinhole + "height_m: 0\n"), HasSubstr("height_m: 0 is out of range, it must be above 0"));
   EXPECT_THAT(camera_error(pinhole + "height_m: -1\n"), HasSubstr("height_m: -1 is out of range"));
+  EXPECT_THAT(camera_error(pinhole + "height_m: 1\nheight_sd_m: -1\n"), HasSubstr("height_sd_m: -1 is out of range"));
+  EXPECT_THAT(camera_error(pinhole + "height_sd_m: 0.01\n"), HasSubstr("height_sd_m: is there without height_m"));
   EXPECT_THAT(camera_error(pinhole + "pitch_deg: 100\n"), HasSubstr("from -90 to 90 degrees"));
   EXPECT_THAT(camera_error(pinhole + "image_size: [1241, 376]\n"),
               HasSubstr("camera.yaml:6: image_size: 1241x376, but the images are 640x480"));
