@@ -12,125 +12,54 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
+#include "drive_source.hpp"
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/evaluation/evaluate.hpp"
 #include "groundscale/evaluation/figures.hpp"
 #include "groundscale/evaluation/pairing.hpp"
-#include "groundscale/io/camera_file.hpp"
 #include "groundscale/io/config.hpp"
 #include "groundscale/io/files.hpp"
-#include "groundscale/io/road_masks.hpp"
 #include "groundscale/io/sequence.hpp"
 #include "groundscale/io/trajectory_file.hpp"
 #include "groundscale/odometry/odometry.hpp"
 #include "groundscale/odometry/run_source.hpp"
 #include "groundscale/odometry/run_writer.hpp"
 #include "groundscale/report/overlay.hpp"
-#include "groundscale/tracking/pyramid.hpp"
 #include "progress.hpp"
 
 namespace groundscale {
 namespace {
 
 struct RunArguments {
-  std::optional<std::string> source;
-  std::optional<std::string> camera_file, road_masks;
-  std::optional<double> camera_height_m;
-  std::optional<int> kitti_image, start, frames;
+  SourceArguments source;
   std::string output;
-  std::string config_file;
   std::string overlay_folder;
   std::string truth;
-  std::vector<std::string> assignments;
-  std::optional<int> seed;
   bool force = false;
   bool quiet = false;
 };
 
-constexpr double kKittiHeightM = 1.65;
-
-template <class Value>
-void replace(const std::optional<Value>& given, Value& value) {
-  if (given) value = *given;
-}
-
-/// The file of --config, above it --set, above both the other arguments.
-Result<RunConfig> read_config(const RunArguments& arguments) {
-  RunConfig config;
-  const VisitOptions visit = [&config](FieldVisitor& visitor) { visit_fields(config, visitor); };
-  if (!arguments.config_file.empty()) {
-    const auto text = read_text(arguments.config_file);
-    if (!text) return text.error();
-    if (const auto done = apply_yaml(*text, arguments.config_file, visit); !done) return done.error();
-  }
-  for (const std::string& assignment : arguments.assignments) {
-    if (const auto done = apply_assignment(assignment, visit); !done) return done.error();
-  }
-  replace(arguments.seed, config.odometry.seed);
-  replace(arguments.source, config.run.source);
-  replace(arguments.kitti_image, config.run.image);
-  replace(arguments.start, config.run.start);
-  replace(arguments.frames, config.run.frames);
-  replace(arguments.camera_file, config.run.camera);
-  replace(arguments.road_masks, config.run.road_masks);
-  if (config.run.source.empty()) {
-    return Error{ErrorCode::kBadInput, "SOURCE is missing: on the command line, or run.source in the file of --config"};
-  }
-  if (const auto valid = config.validate(); !valid) return valid.error();
-  return config;
-}
-
+/// The camera, with its height.
 Result<CameraSetup> read_camera(const RunArguments& arguments, const RunSource& source, const Sequence& sequence,
                                 RunSummary& summary) {
-  const std::string path = source.camera.empty() ? sequence.calibration_path() : source.camera;
-  if (path.empty()) {
-    return Error{
-        ErrorCode::kBadInput,
-        fmt::format("{}: no calibration: neither camera.yaml nor calib.txt lies there; --camera FILE names one",
-                    source.source)};
-  }
-  summary.camera_from = path;
-  const bool kitti = std::filesystem::path(path).extension() == ".txt";
-  auto setup =
-      kitti ? read_kitti_calibration(path, sequence.kitti_image().value_or(0), sequence.width(), sequence.height())
-            : read_camera_file(path, sequence.width(), sequence.height());
-  if (!setup) return setup;
-  if (arguments.camera_height_m) {
-    setup->height_m = arguments.camera_height_m;
-    summary.camera_height_from = "--camera-height";
-  } else if (source.camera_height_m > 0.0) {
-    setup->height_m = source.camera_height_m;
-    summary.camera_height_from = "run.camera_height_m";
-  } else if (setup->height_m) {
-    summary.camera_height_from = path;
-  } else if (sequence.kitti_image()) {
-    setup->height_m = kKittiHeightM;
-    summary.camera_height_from = "KITTI's documented height";
-  } else {
+  auto choice = choose_camera(arguments.source, source, sequence);
+  if (!choice) return choice.error();
+  if (!choice->setup.height_m) {
     return Error{ErrorCode::kBadInput,
                  "the camera height is missing: --camera-height M, or height_m in the camera file"};
   }
-  if (!std::isfinite(*setup->height_m) || *setup->height_m <= 0.0) {
-    return Error{ErrorCode::kBadInput, fmt::format("the camera height is {} m, it must be above 0", *setup->height_m)};
+  summary.camera_from = choice->camera_from;
+  summary.camera_height_from = choice->height_from;
+  summary.camera_height_m = *choice->setup.height_m;
+  if (summary.camera_height_m > kUnlikelyHeightM) {
+    summary.warnings.push_back(
+        fmt::format("the camera height is {} m: is it given in metres?", summary.camera_height_m));
   }
-  if (*setup->height_m > kUnlikelyHeightM) {
-    summary.warnings.push_back(fmt::format("the camera height is {} m: is it given in metres?", *setup->height_m));
-  }
-  summary.camera_height_m = *setup->height_m;
-  return setup;
+  return std::move(choice->setup);
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// The frame's mask; where there is none that can be used the frame goes without, with a warning.
-Image mask_of(const Frame& frame, const std::optional<RoadMasks>& masks, RunSummary& summary) {
-  if (!masks || frame.image.empty()) return {};
-  const auto mask = masks->read(frame.index);
-  if (mask) return *mask;
-  summary.warnings.push_back(fmt::format("frame {} goes without road mask: {}", frame.index, mask.error().message));
-  return {};
 }
 
 double length_of(const std::vector<FrameResult>& results) {
@@ -160,7 +89,7 @@ Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments
     if (!frame) break;
     decoding_s += seconds_since(frame_start);
     if (frame->image.empty()) summary.warnings.push_back(fmt::format("frame {}: {}", frame->index, frame->problem));
-    const FrameResult& result = odometry.advance(*frame, mask_of(*frame, masks, summary));
+    const FrameResult& result = odometry.advance(*frame, mask_of(*frame, masks, summary.warnings));
     if (const auto done = writer.write_online(odometry); !done) return done;
     frame_ms.push_back(1e3 * seconds_since(frame_start));
     if (!arguments.overlay_folder.empty()) {
@@ -210,14 +139,6 @@ Result<void> check_overlay(const RunArguments& arguments, const RunSource& sourc
   return check_output_folder("--overlay", folder, arguments.force);
 }
 
-/// Nothing without a folder.
-Result<std::optional<RoadMasks>> open_masks(const std::string& folder, const Sequence& sequence) {
-  if (folder.empty()) return std::optional<RoadMasks>();
-  auto masks = RoadMasks::open(folder, sequence);
-  if (!masks) return masks.error();
-  return std::optional<RoadMasks>(std::move(*masks));
-}
-
 /// Found out before the work: a truth of all frames.
 Result<void> check_truth(const std::string& path, const Sequence& sequence) {
   if (path.empty()) return {};
@@ -256,18 +177,12 @@ std::string config_in_force(RunConfig config, const Sequence& sequence, const Ru
 
 Result<void> run(const RunArguments& arguments) {
   RunSummary summary;
-  auto config = read_config(arguments);
+  auto config = read_config(arguments.source);
   if (!config) return config.error();
   RunSource& source = config->run;
-  use_one_thread();  // before images are read ahead
-  auto sequence = open_sequence(source.request(), /*decode_ahead=*/true);
+  auto sequence = open_drive(source);
   if (!sequence) return sequence.error();
-  constexpr int kMinFrames = 2;
-  if ((*sequence)->frame_count() < kMinFrames) {
-    return Error{ErrorCode::kBadInput, fmt::format("{}: {} frame, at least {} are needed", source.source,
-                                                   (*sequence)->frame_count(), kMinFrames)};
-  }
-  auto setup = read_camera(arguments, source, **sequence, summary);
+  const auto setup = read_camera(arguments, source, **sequence, summary);
   if (!setup) return setup.error();
   if (const auto fits = check_truth(arguments.truth, **sequence); !fits) return fits;
   const auto masks = open_masks(source.road_masks, **sequence);
@@ -305,20 +220,10 @@ Result<void> run(const RunArguments& arguments) {
 void add_run(CLI::App& app, int& exit_status) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "A metric trajectory from a drive");
-  command->add_option("SOURCE", arguments->source,
-                      "KITTI odometry folder, image folder or video; may come from --config's file");
+  add_source_options(*command, arguments->source);
   command->add_option("--output", arguments->output, "Folder for the results")->required();
-  command->add_option("--camera", arguments->camera_file, "Camera file (docs/formats.md)");
-  command->add_option("--camera-height", arguments->camera_height_m, "Metres above the road");
-  command->add_option("--image", arguments->kitti_image, "KITTI's image folder")->check(CLI::Range(0, 3));
-  command->add_option("--config", arguments->config_file, "Configuration file; the config.yaml of a run repeats it");
-  command->add_option("--set", arguments->assignments, "KEY=VALUE of the configuration")->expected(1)->take_all();
-  command->add_option("--road-masks", arguments->road_masks, "Folder with an image a frame, 0 = not road");
   command->add_option("--overlay", arguments->overlay_folder, "Folder for pictures of what was measured in each frame");
   command->add_option("--truth", arguments->truth, "True trajectory; the result is compared with it at the end");
-  command->add_option("--start", arguments->start, "First frame")->check(CLI::NonNegativeNumber);
-  command->add_option("--frames", arguments->frames, "At most so many frames")->check(CLI::PositiveNumber);
-  command->add_option("--seed", arguments->seed, "Of all random draws")->check(CLI::NonNegativeNumber);
   command->add_flag("--force", arguments->force, "Overwrite the output");
   command->add_flag("--quiet", arguments->quiet, "No progress");
   command->callback([arguments, &exit_status] {

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "groundscale/core/result.hpp"
+#include "groundscale/io/camera_file.hpp"
+#include "groundscale/io/road_masks.hpp"
+#include "groundscale/io/sequence.hpp"
+#include "groundscale/odometry/run_source.hpp"
+
+namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's
+class App;
+}
+
+namespace groundscale {
+
+/// What the commands that drive the odometry take alike.
+struct SourceArguments {
+  std::optional<std::string> source;
+  std::optional<std::string> camera_file, road_masks;
+  std::optional<double> camera_height_m;
+  std::optional<int> kitti_image, start, frames, seed;
+  std::string config_file;
+  std::vector<std::string> assignments;
+};
+
+/// Adds them to a subcommand. `arguments` must outlive it.
+void add_source_options(CLI::App& command, SourceArguments& arguments);
+
+/// The file of --config, above it --set, above both the other arguments.
+Result<RunConfig> read_config(const SourceArguments& arguments);
+
+/// Images of a drive, two at least, decoded ahead on a thread.
+Result<std::unique_ptr<Sequence>> open_drive(const RunSource& source);
+
+/// A camera and where it and its height came from.
+struct CameraChoice {
+  CameraSetup setup;  ///< Its height is empty where nothing says it.
+  std::string camera_from;
+  std::string height_from;
+};
+
+/// The camera file that is named, else the one that lies with the images. The height: of --camera-height, else of the
+/// configuration, else of the camera file, else that of KITTI's layout.
+Result<CameraChoice> choose_camera(const SourceArguments& arguments, const RunSource& source, const Sequence& sequence);
+
+/// Nothing without a folder.
+Result<std::optional<RoadMasks>> open_masks(const std::string& folder, const Sequence& sequence);
+
+/// The frame's mask; where there is none that can be used the frame goes without, with a warning.
+Image mask_of(const Frame& frame, const std::optional<RoadMasks>& masks, std::vector<std::string>& warnings);
+
+}  // namespace groundscale
