@@ -40,6 +40,7 @@ class KeyframeOdometry final : public Odometry {
   const std::vector<RigidTransform>& online_poses() const override { return online_poses_; }
   std::vector<RigidTransform> final_poses() const override { return final_poses_; }
   std::vector<ScaleEvent> corrections() const override { return corrections_; }
+  const std::vector<TrackPoint>& tracks() const override { return tracker_.points(); }
   const StageClock& clock() const override { return clock_; }
   const RoadDetector* road_detector() const override { return road_.detector(); }
   Mounting mounting() const override { return road_.mounting().mounting(); }

@@ -53,6 +53,8 @@ class Odometry {
   virtual const std::vector<RigidTransform>& online_poses() const = 0;
   /// Poses from the whole drive, after `finish`.
   virtual std::vector<RigidTransform> final_poses() const = 0;
+  /// Tracks over the whole image in the latest frame, ids ascending; valid until the next one.
+  virtual const std::vector<TrackPoint>& tracks() const = 0;
   /// Scalings of the map so far.
   virtual std::vector<ScaleEvent> corrections() const { return {}; }
   /// Time that each stage has taken so far.

@@ -60,6 +60,7 @@ class PairwiseOdometry final : public Odometry {
   bool scaled() const override { return scaled_; }
   const std::vector<RigidTransform>& online_poses() const override { return online_poses_; }
   std::vector<RigidTransform> final_poses() const override;
+  const std::vector<TrackPoint>& tracks() const override { return tracker_.points(); }
   const StageClock& clock() const override { return clock_; }
   Mounting mounting() const override { return mounting_.mounting(); }
   const RoadDetector* road_detector() const override { return detector_.get(); }

@@ -1,0 +1,184 @@
+#include "groundscale/calibration/batch_adjustment.hpp"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "groundscale/camera/kannala_brandt.hpp"
+#include "groundscale/camera/pinhole.hpp"
+#include "groundscale/core/rng.hpp"
+#include "groundscale/geometry/so3.hpp"
+
+namespace groundscale {
+namespace {
+
+CameraPtr true_pinhole() {
+  return PinholeCamera::create({.fx = 718.0, .fy = 718.0, .cx = 607.0, .cy = 185.0, .k1 = 0.012}, 1241, 376).value();
+}
+
+struct Street {
+  int views = 60;
+  double turn_rad = 1.2;  ///< Of the whole drive, in its middle third.
+  double noise_px = 0.3;
+  int points = 1500;
+};
+
+/// A drive with a bend, a metre a view, its tracks as a camera sees them, poses exact.
+DriveTracks drive_along(const Street& street, const Camera& camera, Rng& rng) {
+  DriveTracks drive;
+  RigidTransform world_from_cam;
+  for (int v = 0; v < street.views; ++v) {
+    drive.views.push_back({v, world_from_cam.inverse()});
+    const bool bend = v >= street.views / 3 && v < 2 * street.views / 3;
+    const double turn = bend ? street.turn_rad / (street.views / 3) : 0.0;
+    // A little up and down, as cars do.
+    const RigidTransform step{exp_so3({0.002 * std::sin(0.7 * v), turn, 0.001 * std::cos(0.9 * v)}),
+                              {0.0, 0.01 * std::sin(0.5 * v), 1.0}};
+    world_from_cam = world_from_cam * step;
+  }
+  while (static_cast<int>(drive.tracks.size()) < street.points) {
+    const auto first = static_cast<std::size_t>(rng.index(street.views - 3));
+    const Eigen::Vector2d pixel(rng.uniform(0.0, camera.width() - 1.0), rng.uniform(0.0, camera.height() - 1.0));
+    const auto ray = camera.ray(pixel);
+    if (!ray) continue;
+    const Eigen::Vector3d in_cam = *ray * (rng.uniform(6.0, 30.0) / std::max(0.3, ray->z()));
+    const Eigen::Vector3d point = drive.views[first].cam_from_world.inverse() * in_cam;
+    DriveTracks::Track track;
+    track.id = static_cast<TrackId>(drive.tracks.size());
+    for (std::size_t v = first; v < drive.views.size() && v < first + 20; ++v) {
+      const auto seen = camera.project(drive.views[v].cam_from_world * point);
+      if (!seen || !camera.contains(*seen)) break;
+      const double x = rng.normal();
+      track.sights.push_back({static_cast<int>(v), *seen + street.noise_px * Eigen::Vector2d(x, rng.normal())});
+    }
+    if (track.sights.size() >= 3) drive.tracks.push_back(std::move(track));
+  }
+  return drive;
+}
+
+CameraPtr off(const CameraPtr& camera, double radial, double row_px) {
+  const auto first =
+      with_value(CameraParameter::kRadial, value_of(CameraParameter::kRadial, *camera) + radial, *camera);
+  return with_value(CameraParameter::kRow, value_of(CameraParameter::kRow, **first) + row_px, **first).value();
+}
+
+const std::vector<FreeParameter> kRadialAndRow = {{CameraParameter::kRadial}, {CameraParameter::kRow}};
+
+TEST(AdjustBatch, FindsTheCameraOfExactTracks) {
+  const CameraPtr fisheye =
+      KannalaBrandtCamera::create({.fx = 340.0, .fy = 342.0, .cx = 640.0, .cy = 400.0, .k1 = -0.02}, 1280, 800).value();
+  for (const CameraPtr& camera : {true_pinhole(), fisheye}) {
+    Rng rng(3);
+    Street street;
+    street.noise_px = 0.0;
+    street.points = 600;
+    const DriveTracks drive = drive_along(street, *camera, rng);
+    BatchOptions options;
+    options.max_iterations = 100;
+    options.converged_px = 1e-5;
+    const auto found = adjust_batch(drive, off(camera, 0.004, 2.0), kRadialAndRow, options);
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_NEAR(found->values[0], value_of(CameraParameter::kRadial, *camera), 2e-5);
+    EXPECT_NEAR(found->values[1], value_of(CameraParameter::kRow, *camera), 0.02);
+    EXPECT_LT(found->final_rms_px, 0.1);
+  }
+}
+
+TEST(AdjustBatch, SandwichIsTheErrorsSizeWhereErrorsAreIndependent) {
+  double squares[2] = {0.0, 0.0};
+  constexpr int kTrials = 12;
+  BatchOptions options;
+  options.block_frames = 1;  // many blocks: nothing but the noise is common to neighbours
+  for (int trial = 0; trial < kTrials; ++trial) {
+    Rng rng(static_cast<std::uint64_t>(trial) + 100);
+    const DriveTracks drive = drive_along({.views = 48, .points = 700}, *true_pinhole(), rng);
+    const auto found = adjust_batch(drive, off(true_pinhole(), 0.002, 1.0), kRadialAndRow, options);
+    ASSERT_TRUE(found) << found.error().message;
+    for (int j = 0; j < 2; ++j) {
+      const double truth = value_of(kRadialAndRow[static_cast<std::size_t>(j)].parameter, *true_pinhole());
+      const double error = found->values[static_cast<std::size_t>(j)] - truth;
+      squares[j] += error * error / found->covariance(j, j);
+      const double formal = found->formal_covariance(j, j);
+      EXPECT_GT(found->covariance(j, j), 0.1 * formal);
+      EXPECT_LT(found->covariance(j, j), 6.0 * formal);
+    }
+  }
+  for (const double sum : squares) {
+    EXPECT_GT(std::sqrt(sum / kTrials), 0.6);
+    EXPECT_LT(std::sqrt(sum / kTrials), 1.7);
+  }
+}
+
+TEST(AdjustBatch, StraightOnTheRowIsFarLessCertainThanInATurn) {
+  Rng rng(7);
+  const auto sd_of_row = [&rng](double turn_rad) {
+    const DriveTracks drive = drive_along({.turn_rad = turn_rad, .points = 700}, *true_pinhole(), rng);
+    const auto found = adjust_batch(drive, true_pinhole(), kRadialAndRow, {});
+    return std::sqrt(found.value().formal_covariance(1, 1));
+  };
+  EXPECT_GT(sd_of_row(0.0), 3.0 * sd_of_row(1.2));
+}
+
+TEST(AdjustBatch, HoldsAParameterByItsPrior) {
+  Rng rng(5);
+  const DriveTracks drive = drive_along({.points = 500}, *true_pinhole(), rng);
+  const CameraPtr start = off(true_pinhole(), 0.003, 0.0);
+  const auto held = adjust_batch(drive, start, {{CameraParameter::kRadial, 1e-7}, {CameraParameter::kRow}}, {});
+  ASSERT_TRUE(held) << held.error().message;
+  EXPECT_NEAR(held->values[0], value_of(CameraParameter::kRadial, *start), 1e-5);
+}
+
+TEST(AdjustBatch, IsNotLedByTracksOfMovingThings) {
+  Rng rng(9);
+  DriveTracks drive = drive_along({.points = 1000}, *true_pinhole(), rng);
+  for (std::size_t i = 0; i < drive.tracks.size(); i += 10) {
+    for (std::size_t k = 0; k < drive.tracks[i].sights.size(); ++k) {
+      drive.tracks[i].sights[k].pixel.x() += 1.5 * static_cast<double>(k);
+    }
+  }
+  const auto found = adjust_batch(drive, off(true_pinhole(), 0.002, 1.0), kRadialAndRow, {});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_NEAR(found->values[0], 0.012, 0.001);
+  EXPECT_NEAR(found->values[1], 185.0, 0.5);
+}
+
+TEST(AdjustBatch, SaysThatThereAreTooFewTracks) {
+  Rng rng(1);
+  DriveTracks drive = drive_along({.points = 60}, *true_pinhole(), rng);
+  drive.tracks.resize(20);
+  const auto found = adjust_batch(drive, true_pinhole(), kRadialAndRow, {});
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, ErrorCode::kTooFewMatches);
+}
+
+TEST(AdjustBatch, GivesTheSameBitsAgain) {
+  Rng rng(2);
+  const DriveTracks drive = drive_along({.points = 300}, *true_pinhole(), rng);
+  const auto once = adjust_batch(drive, off(true_pinhole(), 0.002, 1.0), kRadialAndRow, {}).value();
+  const auto again = adjust_batch(drive, off(true_pinhole(), 0.002, 1.0), kRadialAndRow, {}).value();
+  EXPECT_EQ(once.values, again.values);
+  EXPECT_EQ(once.covariance, again.covariance);
+}
+
+TEST(ReprojectionRms, IsLowerWithTheRightCamera) {
+  Rng rng(4);
+  DriveTracks drive = drive_along({.points = 900}, *true_pinhole(), rng);
+  DriveTracks others = drive;
+  others.tracks.clear();
+  std::erase_if(drive.tracks, [&others](const DriveTracks::Track& track) {
+    if (track.id % 3 != 0) return false;
+    others.tracks.push_back(track);
+    return true;
+  });
+  const CameraPtr start = off(true_pinhole(), 0.01, 3.0);
+  const auto found = adjust_batch(drive, start, kRadialAndRow, {}).value();
+  const auto kept = adjust_batch(drive, start, {{CameraParameter::kRadial, 1e-9}}, {}).value();
+  const double after = reprojection_rms_px(others, found.cam_from_world, *found.camera, {});
+  const double before = reprojection_rms_px(others, kept.cam_from_world, *start, {});
+  EXPECT_LT(after, before);
+  EXPECT_NEAR(after, 0.3 * std::sqrt(2.0), 0.06);
+}
+
+}  // namespace
+}  // namespace groundscale

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "groundscale/core/result.hpp"
+#include "groundscale/odometry/frame_result.hpp"
+
+namespace groundscale {
+
+/// How fast the scale of an odometry that isn't corrected runs away from the ground's.
+struct ScaleSlope {
+  double per_100m = 0.0;     ///< Of log(odometry's scale / ground's), > 0: lengths grow too long.
+  double sd_per_100m = 0.0;  ///< From blocks of 10 m.
+  double length_m = 0.0;     ///< Way between first and last measurement.
+  int measurements = 0;
+};
+
+/// Slope of y = log(held / measured) over the driven distance: a straight line by Cauchy-weighted least squares through
+/// the ground's measurements, each by its sd, which is larger in turns.
+/// @param results  Of a keyframe odometry without scale correction, finished.
+/// @return kTooFewMatches below 30 m or 20 measurements.
+Result<ScaleSlope> scale_slope(const std::vector<FrameResult>& results);
+
+}  // namespace groundscale
