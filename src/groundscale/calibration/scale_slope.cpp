@@ -67,17 +67,27 @@ Result<ScaleSlope> scale_slope(const std::vector<FrameResult>& results) {
     slope = (sum_w * sum_xy - sum_x * sum_y) / determinant;
     spread = std::max(1e-3, 1.4826 * median(std::move(deviations)));
   }
-  // Neighbouring measurements see the same road.
-  constexpr double kBlockM = 10.0;
-  std::map<int, double> blocks;
+  // Neighbouring measurements see the same road: their errors count together, each block's as if the line had been laid
+  // without it (jackknife).
+  constexpr double kBlockM = 25.0;
+  struct Block {
+    double change = 0.0;
+    double leverage = 0.0;
+  };
+  std::map<int, Block> blocks;
   for (const Sample& sample : samples) {
     const double x = sample.distance_m - middle_m;
     const double error = sample.log_ratio - level - slope * x;
     const double w = CauchyLoss{2.0 * spread}.weight(error) / (sample.sd * sample.sd);
-    blocks[static_cast<int>(sample.distance_m / kBlockM)] += w * error * (sum_w * x - sum_x) / determinant;
+    Block& block = blocks[static_cast<int>(sample.distance_m / kBlockM)];
+    block.change += w * error * (sum_w * x - sum_x) / determinant;
+    block.leverage += w * (sum_xx - 2.0 * sum_x * x + sum_w * x * x) / determinant;
   }
   double variance = 0.0;
-  for (const auto& [block, change] : blocks) variance += change * change;
+  for (const auto& [index, block] : blocks) {
+    constexpr double kMostLeverage = 0.9;
+    variance += std::pow(block.change / (1.0 - std::min(kMostLeverage, block.leverage)), 2);
+  }
   ScaleSlope result;
   result.per_100m = 100.0 * slope;
   result.sd_per_100m = 100.0 * std::sqrt(variance);

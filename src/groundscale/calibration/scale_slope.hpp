@@ -10,7 +10,7 @@ namespace groundscale {
 /// How fast the scale of an odometry that isn't corrected runs away from the ground's.
 struct ScaleSlope {
   double per_100m = 0.0;     ///< Of log(odometry's scale / ground's), > 0: lengths grow too long.
-  double sd_per_100m = 0.0;  ///< From blocks of 10 m.
+  double sd_per_100m = 0.0;  ///< From blocks of 25 m.
   double length_m = 0.0;     ///< Way between first and last measurement.
   int measurements = 0;
 };
