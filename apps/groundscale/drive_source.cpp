@@ -26,12 +26,16 @@ void replace(const std::optional<Value>& given, Value& value) {
 void add_source_options(CLI::App& command, SourceArguments& arguments) {
   command.add_option("SOURCE", arguments.source,
                      "KITTI odometry folder, image folder or video; may come from --config's file");
+  command.add_option("--road-masks", arguments.road_masks, "Folder with an image a frame, 0 = not road");
+  add_drive_options(command, arguments);
+}
+
+void add_drive_options(CLI::App& command, SourceArguments& arguments) {
   command.add_option("--camera", arguments.camera_file, "Camera file (docs/formats.md)");
   command.add_option("--camera-height", arguments.camera_height_m, "Metres above the road");
   command.add_option("--image", arguments.kitti_image, "KITTI's image folder")->check(CLI::Range(0, 3));
   command.add_option("--config", arguments.config_file, "Configuration file; the config.yaml of a run repeats it");
   command.add_option("--set", arguments.assignments, "KEY=VALUE of the configuration")->expected(1)->take_all();
-  command.add_option("--road-masks", arguments.road_masks, "Folder with an image a frame, 0 = not road");
   command.add_option("--start", arguments.start, "First frame")->check(CLI::NonNegativeNumber);
   command.add_option("--frames", arguments.frames, "At most so many frames")->check(CLI::PositiveNumber);
   command.add_option("--seed", arguments.seed, "Of all random draws")->check(CLI::NonNegativeNumber);

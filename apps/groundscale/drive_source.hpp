@@ -28,6 +28,8 @@ struct SourceArguments {
 
 /// Adds them to a subcommand. `arguments` must outlive it.
 void add_source_options(CLI::App& command, SourceArguments& arguments);
+/// The same without SOURCE and --road-masks, which belong to one drive.
+void add_drive_options(CLI::App& command, SourceArguments& arguments);
 
 /// The file of --config, above it --set, above both the other arguments.
 Result<RunConfig> read_config(const SourceArguments& arguments);

@@ -1,9 +1,7 @@
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -17,12 +15,11 @@
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/speed_file.hpp"
 #include "groundscale/odometry/odometry.hpp"
+#include "output_files.hpp"
 #include "progress.hpp"
 
 namespace groundscale {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct HeightArguments {
   SourceArguments source;
@@ -41,11 +38,6 @@ constexpr double kNearEnough = 0.05;
 constexpr int kMostRuns = 3;
 
 Error bad_input(std::string message) { return {ErrorCode::kBadInput, std::move(message)}; }
-
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return !a.empty() && !b.empty() && fs::equivalent(a, b, ignored);
-}
 
 /// What can be known before the work.
 Result<void> check_arguments(const HeightArguments& a) {
@@ -80,28 +72,11 @@ Result<void> check_arguments(const HeightArguments& a) {
   return {};
 }
 
-/// Nothing that is read is written over, not even with --force.
 Result<void> check_output(const HeightArguments& a, const RunConfig& config, const CameraChoice& camera) {
-  const std::vector<std::string> inputs = {a.speed, a.gpx, config.run.source, camera.camera_from, a.source.config_file};
   std::vector<std::string> outputs = {a.output};
   if (!camera.setup.vehicle_mask.empty()) outputs.push_back(vehicle_mask_path(a.output));
-  for (const std::string& output : outputs) {
-    std::error_code ignored;
-    for (const std::string& input : inputs) {
-      if (same_file(output, input)) return bad_input(fmt::format("--output {}: is read, another is needed", output));
-    }
-    if (fs::is_directory(output, ignored))
-      return bad_input(fmt::format("--output {}: is a folder, a file is needed", output));
-    if (fs::exists(output, ignored) && !a.force) {
-      return bad_input(fmt::format("--output {}: exists; --force overwrites it", output));
-    }
-  }
-  std::error_code ignored;
-  const fs::path folder = fs::path(a.output).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, ignored)) {
-    return bad_input(fmt::format("--output {}: there is no folder {}", a.output, folder.string()));
-  }
-  return {};
+  return check_output_files(outputs, {a.speed, a.gpx, config.run.source, camera.camera_from, a.source.config_file},
+                            a.force);
 }
 
 Result<std::optional<SpeedLog>> read_log(const HeightArguments& a) {

@@ -24,6 +24,7 @@ int run_program(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_status = kDone;
   add_run(app, exit_status);
+  add_calibrate(app, exit_status);
   add_height(app, exit_status);
   add_evaluate(app, exit_status);
   add_simulate(app, exit_status);

@@ -401,7 +401,7 @@ Result<int> Batch::iterate() {
       if (!(next_cost < present)) continue;
       lowered = true;
       decrease = (present - next_cost) / present;
-      moved_px = step.tail(static_cast<Eigen::Index>(free_.size())).cwiseAbs().maxCoeff();
+      moved_px = step.tail(static_cast<Eigen::Index>(free_.size())).lpNorm<Eigen::Infinity>();
       present = next_cost;
       state_ = std::move(*next);
     }
@@ -499,7 +499,7 @@ void visit_fields(BatchOptions& options, FieldVisitor& visitor) {
 
 Result<BatchResult> adjust_batch(const DriveTracks& drive, const CameraPtr& camera,
                                  const std::vector<FreeParameter>& free, const BatchOptions& options) {
-  GS_CHECK(!free.empty() && free.size() <= kMaxParameters, "one to four free parameters");
+  GS_CHECK(free.size() <= kMaxParameters, "at most four free parameters");
   Batch batch(drive, free, options);
   batch.begin(camera);
   constexpr int kMinTracks = 50;
@@ -518,7 +518,7 @@ Result<BatchResult> adjust_batch(const DriveTracks& drive, const CameraPtr& came
   result.cam_from_world = batch.state().cam_from_world;
   result.tracks = batch.tracks();
   result.sights = batch.sights();
-  batch.covariance(result);
+  if (!free.empty()) batch.covariance(result);
   return result;
 }
 

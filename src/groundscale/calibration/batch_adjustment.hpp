@@ -52,6 +52,7 @@ struct BatchResult {
 /// a block b of tracks is a_bj = sum_(i in b) (J_i w_j) . psi_i; covariance = sum_b a_b a_b^T (Huber 1967; White 1980).
 /// Neighbouring tracks share what the model lacks, so the formal one is several times too small.
 /// @param drive  Poses in any unit; their scale stays near what it was.
+/// @param free  Four at most; none: poses and points alone, and no covariance.
 /// @return kTooFewMatches: fewer than 50 tracks with enough parallax; kNotConverged: no step lowers the cost, or the
 ///         parameters leave their model.
 /// Deterministic. O(iterations (sum over tracks of sights^2 + views (views a track spans)^2)).

@@ -4,95 +4,49 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
-#include <numbers>
+#include <iterator>
 #include <utility>
 
 #include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "groundscale/core/check.hpp"
-#include "groundscale/geometry/so3.hpp"
-#include "groundscale/odometry/odometry.hpp"
 
 namespace groundscale {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-/// Order of the parameters everywhere in this file.
-constexpr CameraParameter kParameters[] = {CameraParameter::kRadial, CameraParameter::kRow};
-constexpr std::size_t kRadial = 0;
-constexpr std::size_t kRow = 1;
-const std::vector<FreeParameter> kBoth = {{CameraParameter::kRadial}, {CameraParameter::kRow}};
-
-/// A drive as the odometry with one camera saw it.
-struct Pass {
-  DriveTracks tracks;
-  std::optional<ScaleSlope> slope;
-  double turned_deg = 0.0;
-  double length_m = 0.0;
-  int frames = 0;
-};
+/// Places of the two that are always free; the others follow.
+constexpr Eigen::Index kRadial = 0;
+constexpr Eigen::Index kRow = 1;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Turning in pieces of 10 m, so that noise and lane keeping don't add up to turns.
-double turned_deg(const std::vector<RigidTransform>& world_from_cam) {
-  constexpr double kPieceM = 10.0;
-  constexpr double kLeastDeg = 3.0;
-  double sum = 0.0;
-  std::size_t begin = 0;
-  for (std::size_t k = 1; k < world_from_cam.size(); ++k) {
-    const RigidTransform from_begin = world_from_cam[begin].inverse() * world_from_cam[k];
-    if (from_begin.translation.norm() < kPieceM) continue;
-    const double turn_deg = rotation_angle(from_begin.rotation) / kDegree;
-    if (turn_deg >= kLeastDeg) sum += turn_deg;
-    begin = k;
-  }
-  return sum;
-}
-
-Result<Pass> run_pass(const CalibrationDrive& drive, const CameraSetup& setup, const OdometryOptions& options,
-                      const CalibrateOptions& calibrate) {
-  auto sequence = drive.open();
-  if (!sequence) return sequence.error();
-  auto odometry = make_odometry(setup, options);
-  if (!odometry) return odometry.error();
-  DriveRecorder recorder(calibrate.views);
-  Pass pass;
-  while (const auto frame = (*sequence)->next()) {
-    const FrameResult& result = (*odometry)->advance(*frame);
-    if (result.state == FrameState::kMoving) recorder.add(pass.frames, result.frame, (*odometry)->tracks());
-    ++pass.frames;
-  }
-  (*odometry)->finish();
-  const std::vector<RigidTransform> poses = (*odometry)->final_poses();
-  pass.tracks = recorder.drive(poses);
-  pass.turned_deg = turned_deg(poses);
-  for (const FrameResult& result : (*odometry)->results()) pass.length_m += result.step_m;
-  if (const auto slope = scale_slope((*odometry)->results())) pass.slope = *slope;
-  return pass;
+/// Two independent statements about a number.
+ParameterEstimate combined(const ParameterEstimate& a, const ParameterEstimate& b) {
+  const double weight_a = 1.0 / (a.sd * a.sd);
+  const double weight_b = 1.0 / (b.sd * b.sd);
+  return {(weight_a * a.value + weight_b * b.value) / (weight_a + weight_b), 1.0 / std::sqrt(weight_a + weight_b)};
 }
 
 /// Estimates of several drives by their covariances.
 struct Combined {
-  Eigen::Vector2d values = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  Eigen::VectorXd values;
+  Eigen::MatrixXd covariance;
 };
 
 Combined combined(const std::vector<BatchResult>& results) {
-  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d weighted = Eigen::Vector2d::Zero();
+  const auto size = results.front().covariance.rows();
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd weighted = Eigen::VectorXd::Zero(size);
   for (const BatchResult& result : results) {
-    const Eigen::Matrix2d own = Eigen::Matrix2d(result.covariance).inverse();
+    const Eigen::MatrixXd own = result.covariance.inverse();
     information += own;
-    weighted += own * Eigen::Vector2d(result.values[kRadial], result.values[kRow]);
+    weighted += own * Eigen::Map<const Eigen::VectorXd>(result.values.data(), size);
   }
-  Combined sum;
-  sum.covariance = information.inverse();
-  sum.values = sum.covariance * weighted;
-  return sum;
+  const Eigen::MatrixXd covariance = information.inverse();
+  return {covariance * weighted, covariance};
 }
 
 template <class Keep>
@@ -106,10 +60,10 @@ DriveTracks tracks_of(const DriveTracks& drive, Keep keep) {
 bool takes_part(const DriveTracks::Track& track) { return track.id % 3 != 0; }
 
 /// The slopes of several drives by their errors.
-std::optional<ScaleSlope> combined_slope(const std::vector<Pass>& passes) {
+std::optional<ScaleSlope> combined_slope(const std::vector<DrivePass>& passes) {
   ScaleSlope sum;
   double information = 0.0;
-  for (const Pass& pass : passes) {
+  for (const DrivePass& pass : passes) {
     if (!pass.slope) continue;
     constexpr double kLeastSd = 1e-4;
     const double own = 1.0 / std::pow(std::max(kLeastSd, pass.slope->sd_per_100m), 2);
@@ -128,42 +82,55 @@ std::optional<ScaleSlope> combined_slope(const std::vector<Pass>& passes) {
 class Calibrator {
  public:
   Calibrator(const std::vector<CalibrationDrive>& drives, const CameraSetup& setup, const OdometryOptions& odometry,
-             const CalibrateOptions& options)
-      : drives_(drives), setup_(setup), odometry_(odometry), options_(options), camera_(setup.camera) {
-    odometry_.odometry.mode = OdometryMode::kKeyframe;
-    odometry_.odometry.scale_correction = ScaleCorrection::kNone;
-    for (const CameraParameter parameter : kParameters) {
-      start_.push_back(value_of(parameter, *camera_));
-      steps_.push_back(pixel_step(parameter, *camera_));
-    }
-  }
+             const CalibrateOptions& options, const CalibrateProgress& progress);
 
   Result<Calibration> work();
 
  private:
+  struct SlopeAt {
+    double radial = 0.0;
+    ScaleSlope slope;
+  };
+  /// A parameter that may change.
+  struct Freed {
+    CameraParameter parameter = CameraParameter::kRadial;
+    double start = 0.0;
+    double step = 1.0;               ///< That moves pixels far out by one.
+    double model = 0.0;              ///< Sd that the tracker adds.
+    std::optional<double> prior_sd;  ///< Of the start.
+  };
+  void free(CameraParameter parameter, double model);
+
+  void say(const std::string& what, int frames = 0) const {
+    if (progress_) progress_(what, frames);
+  }
   /// A pass over all drives with the present camera.
   Result<void> pass();
   Result<std::vector<BatchResult>> adjust(const std::vector<FreeParameter>& free) const;
+  Result<void> fix_by_priors();
   Result<void> find_by_tracks();
   void find_by_slope();
   Result<void> state_uncertainty();
   std::string why_refused(std::size_t j) const;
   Result<void> take_over();
-  Result<void> check(Calibration& result);
-  CameraPtr camera_with(double radial, double row) const;
-  double present(std::size_t j) const { return value_of(kParameters[j], *camera_); }
+  Result<void> adjust_row();
+  Result<void> check();
+  std::string why_not_adopted() const;
+  Calibration stay(std::string why);
+  CameraPtr camera_with(const Eigen::VectorXd& values) const;
+  double present(std::size_t j) const { return value_of(freed_[j].parameter, *camera_); }
 
   const std::vector<CalibrationDrive>& drives_;
   CameraSetup setup_;
-  OdometryOptions odometry_;
+  const OdometryOptions& odometry_;
   const CalibrateOptions& options_;
+  const CalibrateProgress& progress_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   CameraPtr camera_;
-  std::vector<double> start_, steps_;
-  std::vector<Pass> passes_;  ///< With the present camera.
-  struct SlopeAt {
-    double radial = 0.0;
-    ScaleSlope slope;
-  };
+  std::vector<Freed> freed_;
+  std::vector<FreeParameter> all_;  ///< The same for the adjustment.
+  std::vector<DrivePass> passes_;   ///< With the present camera,
+  std::vector<DrivePass> first_;    ///< and with the first one.
   std::vector<SlopeAt> slopes_;
   Combined by_tracks_;
   std::vector<double> sds_;            ///< Of by_tracks_.
@@ -172,20 +139,55 @@ class Calibrator {
   Calibration calibration_;
 };
 
-CameraPtr Calibrator::camera_with(double radial, double row) const {
-  const auto bent = with_value(CameraParameter::kRadial, radial, *setup_.camera);
-  if (!bent) return nullptr;
-  const auto moved = with_value(CameraParameter::kRow, row, **bent);
-  return moved ? *moved : nullptr;
+Calibrator::Calibrator(const std::vector<CalibrationDrive>& drives, const CameraSetup& setup,
+                       const OdometryOptions& odometry, const CalibrateOptions& options,
+                       const CalibrateProgress& progress)
+    : drives_(drives),
+      setup_(setup),
+      odometry_(odometry),
+      options_(options),
+      progress_(progress),
+      camera_(setup.camera) {
+  free(CameraParameter::kRadial, options.radial_model_px * pixel_step(CameraParameter::kRadial, *camera_));
+  free(CameraParameter::kRow, options.row_model_px);
+  const auto& sds = setup.parameter_sds;
+  if (options.free_focal || sds.contains(CameraParameter::kFocal)) {
+    free(CameraParameter::kFocal, options.focal_model * camera_->focal_px());
+  }
+  if (sds.contains(CameraParameter::kColumn)) free(CameraParameter::kColumn, options.column_model_px);
+}
+
+void Calibrator::free(CameraParameter parameter, double model) {
+  Freed freed{parameter, value_of(parameter, *camera_), pixel_step(parameter, *camera_), model, std::nullopt};
+  const auto sd = setup_.parameter_sds.find(parameter);
+  if (sd != setup_.parameter_sds.end()) freed.prior_sd = sd->second;
+  freed_.push_back(freed);
+  all_.push_back({parameter});
+}
+
+/// Null where there is no such camera.
+CameraPtr Calibrator::camera_with(const Eigen::VectorXd& values) const {
+  CameraPtr camera = setup_.camera;
+  for (std::size_t j = 0; j < freed_.size(); ++j) {
+    const auto next = with_value(freed_[j].parameter, values(static_cast<Eigen::Index>(j)), *camera);
+    if (!next) return nullptr;
+    camera = *next;
+  }
+  return camera;
 }
 
 Result<void> Calibrator::pass() {
   passes_.clear();
   CameraSetup setup = setup_;
   setup.camera = camera_;
+  ++calibration_.passes;
+  int done = 0;
   for (const CalibrationDrive& drive : drives_) {
-    auto pass = run_pass(drive, setup, odometry_, options_);
+    auto pass = drive_pass(drive, setup, odometry_, options_.views, [this, done](int frames) {
+      say(fmt::format("odometry, pass {}", calibration_.passes), done + frames);
+    });
     if (!pass) return Error{pass.error().code, fmt::format("{}: {}", drive.name, pass.error().message)};
+    done += pass->frames;
     passes_.push_back(std::move(*pass));
   }
   if (const auto slope = combined_slope(passes_)) slopes_.push_back({present(kRadial), *slope});
@@ -196,90 +198,125 @@ Result<void> Calibrator::pass() {
 Result<std::vector<BatchResult>> Calibrator::adjust(const std::vector<FreeParameter>& free) const {
   std::vector<BatchResult> results;
   std::optional<Error> failed;
-  for (const Pass& pass : passes_) {
+  for (const DrivePass& pass : passes_) {
     auto result = adjust_batch(pass.tracks, camera_, free, options_.batch);
     if (result) results.push_back(std::move(*result));
     if (!result) failed = result.error();
   }
-  if (results.empty() && failed) return *failed;
+  if (results.empty()) return *failed;
   return results;
+}
+
+/// Focal length and column where something is known of them: what the tracks say counts by the tracker's part, not by
+/// their covariance, and the other two are adjusted again with what comes out.
+Result<void> Calibrator::fix_by_priors() {
+  Eigen::VectorXd values = by_tracks_.values;
+  bool any = false;
+  for (std::size_t j = kRow + 1; j < freed_.size(); ++j) {
+    const auto index = static_cast<Eigen::Index>(j);
+    const Freed& freed = freed_[j];
+    if (!freed.prior_sd) continue;
+    const double sd = std::hypot(std::sqrt(by_tracks_.covariance(index, index)), freed.model);
+    values(index) = combined({values(index), sd}, {freed.start, *freed.prior_sd}).value;
+    any = true;
+  }
+  if (!any) return {};
+  const CameraPtr before = camera_;
+  camera_ = camera_with(values);
+  const auto results = camera_ == nullptr
+                           ? Result<std::vector<BatchResult>>(Error{ErrorCode::kNotConverged, "no camera"})
+                           : adjust({all_[kRadial], all_[kRow]});
+  camera_ = before;
+  if (!results) return results.error();
+  const Combined two = combined(*results);
+  values.head<2>() = two.values;
+  by_tracks_.values = values;
+  by_tracks_.covariance.topLeftCorner<2, 2>() = two.covariance;
+  return {};
 }
 
 /// Odometry and batch adjustment in turn, until the camera stays as it is.
 Result<void> Calibrator::find_by_tracks() {
-  for (int round = 0; round < options_.max_rounds; ++round) {
-    const auto results = adjust(kBoth);
+  for (int round = 0;; ++round) {
+    say("adjusting the whole drive");
+    const auto results = adjust(all_);
     if (!results) return results.error();
     by_tracks_ = combined(*results);
-    const CameraPtr next = camera_with(by_tracks_.values(kRadial), by_tracks_.values(kRow));
+    if (const auto done = fix_by_priors(); !done) return done;
+    const CameraPtr next = camera_with(by_tracks_.values);
     if (!next) return Error{ErrorCode::kNotConverged, "the tracks ask for a camera that can't be"};
-    const double moved_px = std::max(std::abs(by_tracks_.values(kRadial) - present(kRadial)) / steps_[kRadial],
-                                     std::abs(by_tracks_.values(kRow) - present(kRow)) / steps_[kRow]);
-    if (moved_px < options_.settled_px) break;
+    double moved_px = 0.0;
+    for (std::size_t j = 0; j < freed_.size(); ++j) {
+      const double moved = by_tracks_.values(static_cast<Eigen::Index>(j)) - present(j);
+      moved_px = std::max(moved_px, std::abs(moved) / freed_[j].step);
+    }
+    if (moved_px < options_.settled_px || round == options_.max_rounds) return {};
     camera_ = next;
     if (const auto done = pass(); !done) return done;
   }
-  return {};
 }
 
-/// Where the slope vanishes, by the two passes that tell most about how it depends on the radial coefficient.
+/// Where the slope vanishes, by the two passes that tell most about how it depends on the radial coefficient, and by
+/// what is known of that beforehand.
 void Calibrator::find_by_slope() {
-  if (slopes_.size() < 2) return;
+  if (slopes_.empty()) return;
   const SlopeAt& last = slopes_.back();
-  const SlopeAt* other = nullptr;
-  for (const SlopeAt& slope : slopes_) {
-    if (other == nullptr || std::abs(slope.radial - last.radial) > std::abs(other->radial - last.radial))
-      other = &slope;
-  }
+  const double step = freed_[kRadial].step;
+  ParameterEstimate sensitivity{options_.sensitivity / step, options_.sensitivity_sd / step};
+  const auto other = std::max_element(slopes_.begin(), slopes_.end(), [&last](const SlopeAt& a, const SlopeAt& b) {
+    return std::abs(a.radial - last.radial) < std::abs(b.radial - last.radial);
+  });
   const double apart = other->radial - last.radial;
-  constexpr double kLeastPx = 1.0;
-  if (std::abs(apart) < kLeastPx * steps_[kRadial]) return;
-  const double sensitivity = (other->slope.per_100m - last.slope.per_100m) / apart;
-  const double noise = std::hypot(other->slope.sd_per_100m, last.slope.sd_per_100m, options_.slope_model);
+  if (std::abs(apart) > 0.0) {
+    const double noise = std::hypot(other->slope.sd_per_100m, last.slope.sd_per_100m, options_.slope_model);
+    sensitivity =
+        combined(sensitivity, {(other->slope.per_100m - last.slope.per_100m) / apart, noise / std::abs(apart)});
+  }
   // A secant within its own noise points anywhere.
-  if (std::abs(other->slope.per_100m - last.slope.per_100m) < 3.0 * noise) return;
-  by_slope_ = ParameterEstimate{last.radial - last.slope.per_100m / sensitivity,
-                                std::hypot(last.slope.sd_per_100m, options_.slope_model) / std::abs(sensitivity)};
+  if (!(sensitivity.value < -2.0 * sensitivity.sd))
+    sensitivity = {options_.sensitivity / step, options_.sensitivity_sd / step};
+  const double change = -last.slope.per_100m / sensitivity.value;
+  const double slope_sd = std::hypot(last.slope.sd_per_100m, options_.slope_model);
+  by_slope_ =
+      ParameterEstimate{last.radial + change, std::hypot(slope_sd, change * sensitivity.sd) / -sensitivity.value};
 }
 
 /// Sandwich, halves of the tracks and of the drive, and the tracker's part.
 Result<void> Calibrator::state_uncertainty() {
-  const double model_px[] = {options_.radial_model_px, options_.row_model_px};
-  Eigen::Vector2d squares = by_tracks_.covariance.diagonal();
-  Eigen::Vector2d worst = Eigen::Vector2d::Zero();
+  say("halves of the tracks and of the drive");
+  const auto size = static_cast<Eigen::Index>(freed_.size());
+  Eigen::VectorXd squares = by_tracks_.covariance.diagonal();
+  Eigen::VectorXd worst = Eigen::VectorXd::Zero(size);
   for (const bool by_time : {false, true}) {
     std::vector<BatchResult> halves[2];
-    for (const Pass& pass : passes_) {
+    for (const DrivePass& pass : passes_) {
       const auto views = static_cast<int>(pass.tracks.views.size());
       for (const int half : {0, 1}) {
         const auto keep = [by_time, half, views](const DriveTracks::Track& track) {
           if (!by_time) return track.id % 2 == half;
           return (track.sights[track.sights.size() / 2].view < views / 2) == (half == 0);
         };
-        auto result = adjust_batch(tracks_of(pass.tracks, keep), camera_, kBoth, options_.batch);
+        auto result = adjust_batch(tracks_of(pass.tracks, keep), camera_, all_, options_.batch);
         if (result) halves[half].push_back(std::move(*result));
       }
     }
     if (halves[0].empty() || halves[1].empty()) continue;
     const Combined first = combined(halves[0]);
     const Combined second = combined(halves[1]);
-    for (const std::size_t j : {kRadial, kRow}) {
-      const auto index = static_cast<Eigen::Index>(j);
-      const double apart = first.values(index) - second.values(index);
-      const double model = model_px[j] * steps_[j];
-      const double sd =
-          std::sqrt(first.covariance(index, index) + second.covariance(index, index) + 2.0 * model * model);
-      worst(index) = std::max(worst(index), std::abs(apart) / sd);
+    for (Eigen::Index j = 0; j < size; ++j) {
+      const double apart = first.values(j) - second.values(j);
+      const double model = freed_[static_cast<std::size_t>(j)].model;
+      const double sd = std::sqrt(first.covariance(j, j) + second.covariance(j, j) + 2.0 * model * model);
+      worst(j) = std::max(worst(j), std::abs(apart) / sd);
       // Of two halves the mean has a quarter of the difference's variance. Of halves by time one may hold no turn:
       // their difference then says nothing about the whole.
-      if (!by_time) squares(index) += 0.25 * apart * apart;
+      if (!by_time) squares(j) += 0.25 * apart * apart;
     }
   }
-  for (const std::size_t j : {kRadial, kRow}) {
-    const auto index = static_cast<Eigen::Index>(j);
-    sds_.push_back(std::hypot(std::sqrt(squares(index)), model_px[j] * steps_[j]));
-    disagree_.push_back(worst(index) > options_.max_disagreement
-                            ? fmt::format("halves of the data are {:.1f} standard deviations apart", worst(index))
+  for (Eigen::Index j = 0; j < size; ++j) {
+    sds_.push_back(std::hypot(std::sqrt(squares(j)), freed_[static_cast<std::size_t>(j)].model));
+    disagree_.push_back(worst(j) > options_.max_disagreement
+                            ? fmt::format("halves of the data are {:.1f} standard deviations apart", worst(j))
                             : std::string());
   }
   return {};
@@ -288,7 +325,7 @@ Result<void> Calibrator::state_uncertainty() {
 /// @return Why parameter j stays as it was; empty where it may change.
 std::string Calibrator::why_refused(std::size_t j) const {
   if (!disagree_[j].empty()) return disagree_[j];
-  const double change_px = std::abs(by_tracks_.values(static_cast<Eigen::Index>(j)) - start_[j]) / steps_[j];
+  const double change_px = std::abs(by_tracks_.values(static_cast<Eigen::Index>(j)) - freed_[j].start) / freed_[j].step;
   if (change_px > options_.max_change_px) {
     return fmt::format("it would change by {:.0f} px in the image's corners: the start is too far off", change_px);
   }
@@ -303,104 +340,116 @@ std::string Calibrator::why_refused(std::size_t j) const {
 
 /// The values that come out, each with its reason.
 Result<void> Calibrator::take_over() {
-  double values[] = {by_tracks_.values(kRadial), by_tracks_.values(kRow)};
-  double sds[] = {sds_[kRadial], sds_[kRow]};
-  if (by_slope_) {
-    const double tracks = 1.0 / (sds[kRadial] * sds[kRadial]);
-    const double slope = 1.0 / (by_slope_->sd * by_slope_->sd);
-    values[kRadial] = (tracks * values[kRadial] + slope * by_slope_->value) / (tracks + slope);
-    sds[kRadial] = 1.0 / std::sqrt(tracks + slope);
-  }
-  for (const std::size_t j : {kRadial, kRow}) {
-    CalibratedParameter parameter{kParameters[j], start_[j], values[j], sds[j], why_refused(j)};
+  for (std::size_t j = 0; j < freed_.size(); ++j) {
+    const Freed& freed = freed_[j];
+    ParameterEstimate estimate{by_tracks_.values(static_cast<Eigen::Index>(j)), sds_[j]};
+    if (j == kRadial && by_slope_) {
+      // Where the two differ by more than they should, neither can be trusted as far as it says.
+      const double apart = std::abs(by_slope_->value - estimate.value) / std::hypot(by_slope_->sd, estimate.sd);
+      estimate = combined(estimate, *by_slope_);
+      estimate.sd *= std::max(1.0, apart);
+    }
+    if (j == kRadial && freed.prior_sd) estimate = combined(estimate, {freed.start, *freed.prior_sd});
+    // Focal length and column have had theirs already; of their sd it is still to be told.
+    if (j > kRow && freed.prior_sd) estimate.sd = combined(estimate, {freed.start, *freed.prior_sd}).sd;
+    CalibratedParameter parameter{freed.parameter, freed.start, estimate.value, estimate.sd, why_refused(j)};
     if (!parameter.reason.empty()) {
       parameter.after = parameter.before;
-      parameter.sd = 0.0;
+      parameter.sd = freed.prior_sd.value_or(0.0);
     }
     calibration_.parameters.push_back(parameter);
   }
-  CalibratedParameter& row = calibration_.parameters[kRow];
-  const double radial = calibration_.parameters[kRadial].after;
-  if (row.reason.empty()) {
-    // The row that belongs to the coefficient taken.
-    const CameraPtr bent = camera_with(radial, row.after);
-    if (!bent) return Error{ErrorCode::kNotConverged, "the drift of the scale asks for a camera that can't be"};
-    camera_ = bent;
-    const auto results = adjust({{CameraParameter::kRow}});
-    if (!results) return results.error();
-    double information = 0.0;
-    double weighted = 0.0;
-    for (const BatchResult& result : *results) {
-      information += 1.0 / result.covariance(0, 0);
-      weighted += result.values[0] / result.covariance(0, 0);
-    }
-    row.after = weighted / information;
+  if (calibration_.parameters[kRow].reason.empty()) {
+    if (const auto done = adjust_row(); !done) return done;
   }
-  camera_ = camera_with(radial, row.after);
+  Eigen::VectorXd values(static_cast<Eigen::Index>(freed_.size()));
+  for (std::size_t j = 0; j < freed_.size(); ++j) {
+    values(static_cast<Eigen::Index>(j)) = calibration_.parameters[j].after;
+  }
+  camera_ = camera_with(values);
   if (!camera_) return Error{ErrorCode::kNotConverged, "what comes out is no camera"};
   return {};
 }
 
+/// The row that belongs to the coefficient taken.
+Result<void> Calibrator::adjust_row() {
+  say("adjusting the row");
+  CalibratedParameter& row = calibration_.parameters[kRow];
+  Eigen::VectorXd values(static_cast<Eigen::Index>(freed_.size()));
+  for (std::size_t j = 0; j < freed_.size(); ++j) {
+    values(static_cast<Eigen::Index>(j)) = calibration_.parameters[j].after;
+  }
+  camera_ = camera_with(values);
+  if (!camera_) return Error{ErrorCode::kNotConverged, "the drift of the scale asks for a camera that can't be"};
+  const auto results = adjust({all_[kRow]});
+  if (!results) return results.error();
+  ParameterEstimate estimate{combined(*results).values(0), row.sd};
+  if (freed_[kRow].prior_sd) estimate = combined(estimate, {row.before, *freed_[kRow].prior_sd});
+  row.after = estimate.value;
+  row.sd = estimate.sd;
+  return {};
+}
+
 /// Held-out tracks with the poses that belong to each camera, and the slope with the new one.
-Result<void> Calibrator::check(Calibration& result) {
-  const CameraPtr found = camera_;
+Result<void> Calibrator::check() {
+  say("tracks that took no part");
   double squares[2] = {0.0, 0.0};
   for (const int which : {0, 1}) {
-    const CameraPtr camera = which == 0 ? setup_.camera : found;
-    for (const Pass& pass : passes_) {
-      // Poses alone: the parameter that an adjustment needs is held where it is.
-      const std::vector<FreeParameter> held = {{CameraParameter::kRadial, 1e-6 * steps_[kRadial]}};
-      const auto poses = adjust_batch(tracks_of(pass.tracks, takes_part), camera, held, options_.batch);
+    const CameraPtr& camera = which == 0 ? setup_.camera : camera_;
+    for (const DrivePass& pass : passes_) {
+      const auto poses = adjust_batch(tracks_of(pass.tracks, takes_part), camera, {}, options_.batch);
       if (!poses) continue;
       const double rms_px = reprojection_rms_px(tracks_of(pass.tracks, std::not_fn(takes_part)), poses->cam_from_world,
                                                 *camera, options_.batch);
       if (std::isfinite(rms_px)) squares[which] += rms_px * rms_px / static_cast<double>(passes_.size());
     }
   }
-  result.held_out_before_px = std::sqrt(squares[0]);
-  result.held_out_after_px = std::sqrt(squares[1]);
-  camera_ = found;
+  calibration_.held_out_before_px = std::sqrt(squares[0]);
+  calibration_.held_out_after_px = std::sqrt(squares[1]);
   if (const auto done = pass(); !done) return done;
-  result.slope_after = combined_slope(passes_);
+  calibration_.slope_after = combined_slope(passes_);
+  calibration_.length_change = length_change(first_, passes_);
   return {};
 }
 
-std::string verdict_of(const Calibration& calibration, const CalibrateOptions& options) {
-  const bool any = std::any_of(calibration.parameters.begin(), calibration.parameters.end(),
+std::string Calibrator::why_not_adopted() const {
+  const Calibration& found = calibration_;
+  const bool any = std::any_of(found.parameters.begin(), found.parameters.end(),
                                [](const CalibratedParameter& parameter) { return parameter.reason.empty(); });
   if (!any) return "nothing could be found that is surer than the calibration given";
-  if (!(calibration.held_out_after_px < calibration.held_out_before_px)) {
+  if (!(found.held_out_after_px < found.held_out_before_px)) {
     return fmt::format("tracks that took no part fit no better ({:.3f} px before, {:.3f} px after)",
-                       calibration.held_out_before_px, calibration.held_out_after_px);
+                       found.held_out_before_px, found.held_out_after_px);
   }
-  if (calibration.slope_after &&
-      std::abs(calibration.slope_after->per_100m) > options.max_slope + 2.0 * calibration.slope_after->sd_per_100m) {
-    return fmt::format("the scale still runs away by {:+.1f} % per 100 m", 100.0 * calibration.slope_after->per_100m);
+  if (!found.slope_after) return "the ground was seen too rarely with the new camera to check the scale's drift";
+  if (std::abs(found.slope_after->per_100m) > options_.max_slope) {
+    return fmt::format("the scale still runs away by {:+.1f} % per 100 m", 100.0 * found.slope_after->per_100m);
   }
   return "";
 }
 
+Calibration Calibrator::stay(std::string why) {
+  calibration_.verdict = "the calibration stays as it is: " + std::move(why);
+  calibration_.total_s = seconds_since(begin_);
+  return calibration_;
+}
+
 Result<Calibration> Calibrator::work() {
-  const auto begin = std::chrono::steady_clock::now();
   if (const auto done = pass(); !done) return done.error();
-  calibration_.odometry_s = seconds_since(begin);
-  calibration_.camera = setup_.camera;
+  first_ = passes_;
+  calibration_.odometry_s = seconds_since(begin_);
+  calibration_.setup = setup_;
   calibration_.slope_before = combined_slope(passes_);
-  for (const Pass& pass : passes_) {
+  for (const DrivePass& pass : passes_) {
     calibration_.turned_deg += pass.turned_deg;
     calibration_.length_m += pass.length_m;
     calibration_.frames += pass.frames;
   }
-  const auto stay = [this, begin](std::string why) {
-    calibration_.verdict = "the calibration stays as it is: " + std::move(why);
-    calibration_.total_s = seconds_since(begin);
-    return calibration_;
-  };
   if (calibration_.turned_deg < options_.min_turn_deg) {
     const std::string why = fmt::format("{:.0f} degrees of turning are too little, {:.0f} are needed",
                                         calibration_.turned_deg, options_.min_turn_deg);
-    for (const std::size_t j : {kRadial, kRow}) {
-      calibration_.parameters.push_back({kParameters[j], start_[j], start_[j], 0.0, why});
+    for (const Freed& freed : freed_) {
+      calibration_.parameters.push_back({freed.parameter, freed.start, freed.start, freed.prior_sd.value_or(0.0), why});
     }
     return stay(why);
   }
@@ -410,12 +459,20 @@ Result<Calibration> Calibrator::work() {
   calibration_.radial_by_tracks = {by_tracks_.values(kRadial), sds_[kRadial]};
   calibration_.radial_by_slope = by_slope_;
   if (const auto done = take_over(); !done) return done.error();
-  if (const auto done = check(calibration_); !done) return done.error();
-  if (const std::string why = verdict_of(calibration_, options_); !why.empty()) return stay(why);
+  if (const auto done = check(); !done) return done.error();
+  if (const std::string why = why_not_adopted(); !why.empty()) return stay(why);
   calibration_.adopted = true;
-  calibration_.camera = camera_;
   calibration_.verdict = "calibrated";
-  calibration_.total_s = seconds_since(begin);
+  calibration_.setup.camera = camera_;
+  for (const CalibratedParameter& parameter : calibration_.parameters) {
+    if (parameter.sd > 0.0) calibration_.setup.parameter_sds[parameter.parameter] = parameter.sd;
+  }
+  if (const auto& mounting = passes_.front().mounting) {
+    calibration_.setup.pitch_rad = mounting->pitch_rad;
+    calibration_.setup.roll_rad = mounting->roll_rad;
+    calibration_.setup.yaw_rad = mounting->yaw_rad;
+  }
+  calibration_.total_s = seconds_since(begin_);
   return calibration_;
 }
 
@@ -454,6 +511,30 @@ void visit_fields(CalibrateOptions& options, FieldVisitor& visitor) {
                  .min = 0,
                  .max = 100},
                 options.row_model_px);
+  visitor.field({.key = "column_model_px",
+                 .unit = "px",
+                 .help = "the same for its column, where that is freed",
+                 .min = 0,
+                 .max = 1000},
+                options.column_model_px);
+  visitor.field({.key = "focal_model",
+                 .unit = "",
+                 .help = "sd of what a drive says of the focal length, as a share of it",
+                 .min = 0,
+                 .max = 1},
+                options.focal_model);
+  visitor.field({.key = "sensitivity",
+                 .unit = "1/100 m/px",
+                 .help = "slope of the scale by the radial coefficient, where one pass says nothing about it",
+                 .min = -10,
+                 .max = -1e-6},
+                options.sensitivity);
+  visitor.field({.key = "sensitivity_sd",
+                 .unit = "1/100 m/px",
+                 .help = "how much that differs from drive to drive",
+                 .min = 1e-6,
+                 .max = 10},
+                options.sensitivity_sd);
   visitor.field(
       {.key = "slope_model", .unit = "1/100 m", .help = "sd of the scale's slope that roads add", .min = 0, .max = 1},
       options.slope_model);
@@ -469,14 +550,16 @@ void visit_fields(CalibrateOptions& options, FieldVisitor& visitor) {
                  .min = 1,
                  .max = 100},
                 options.max_disagreement);
+  visitor.field({.key = "free_focal", .unit = "", .help = "nothing is known of the focal length"}, options.free_focal);
   visitor.group("views", options.views);
   visitor.group("batch", options.batch);
 }
 
 Result<Calibration> calibrate(const std::vector<CalibrationDrive>& drives, const CameraSetup& setup,
-                              const OdometryOptions& odometry, const CalibrateOptions& options) {
+                              const OdometryOptions& odometry, const CalibrateOptions& options,
+                              const CalibrateProgress& progress) {
   GS_CHECK(!drives.empty(), "a drive to calibrate from");
-  return Calibrator(drives, setup, odometry, options).work();
+  return Calibrator(drives, setup, odometry, options, progress).work();
 }
 
 }  // namespace groundscale

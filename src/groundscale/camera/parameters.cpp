@@ -71,6 +71,20 @@ std::string_view file_name_of(CameraParameter parameter, const Camera& camera) {
   return camera.model() == "ocam" ? "polynomial[2]" : "k1";
 }
 
+std::string_view sd_file_name_of(CameraParameter parameter, std::string_view model) {
+  switch (parameter) {
+    case CameraParameter::kFocal:
+      return "f_sd";
+    case CameraParameter::kColumn:
+      return "cx_sd";
+    case CameraParameter::kRow:
+      return "cy_sd";
+    case CameraParameter::kRadial:
+      break;
+  }
+  return model == "ocam" ? "polynomial_2_sd" : "k1_sd";
+}
+
 double value_of(CameraParameter parameter, const Camera& camera) {
   return with_model(camera, [parameter, &camera](const auto& model) {
     auto parameters = model.parameters();

@@ -22,6 +22,9 @@ std::vector<std::string_view> names_of<CameraParameter>();
 /// The parameter's name in a camera file: `f`, `cx`, `cy`, `k1`, or `polynomial[2]`.
 std::string_view file_name_of(CameraParameter parameter, const Camera& camera);
 
+/// Its standard deviation's: `f_sd`, `cx_sd`, `cy_sd`, `k1_sd`, or `polynomial_2_sd`.
+std::string_view sd_file_name_of(CameraParameter parameter, std::string_view model);
+
 double value_of(CameraParameter parameter, const Camera& camera);
 
 /// The camera with another value of one parameter.

@@ -104,6 +104,19 @@ Result<void> read_mounting(const YamlPlace& file, CameraSetup* setup) {
   return {};
 }
 
+constexpr CameraParameter kParameters[] = {CameraParameter::kFocal, CameraParameter::kColumn, CameraParameter::kRow,
+                                           CameraParameter::kRadial};
+
+Result<void> read_parameter_sds(const YamlPlace& file, CameraSetup* setup) {
+  for (const CameraParameter parameter : kParameters) {
+    const std::string key(sd_file_name_of(parameter, setup->camera->model()));
+    const auto sd = read_bounded(file, {key.c_str(), "above 0", 1e-300, HUGE_VAL});
+    if (!sd) return sd.error();
+    if (*sd) setup->parameter_sds[parameter] = **sd;
+  }
+  return {};
+}
+
 Result<Image> mask_of_polygon(const YamlPlace& polygon, const Size& size) {
   if (!polygon.node.IsSequence() || polygon.node.size() < 3) {
     return polygon.error("must be a list of at least 3 corners [x, y] in pixels");
@@ -215,6 +228,7 @@ Result<CameraSetup> read_camera_file(const std::string& path, int image_width, i
   std::vector<std::string> known = {"model",     "image_size", "height_m", "height_sd_m",
                                     "pitch_deg", "roll_deg",   "yaw_deg",  "vehicle_mask"};
   known.insert(known.end(), (*model)->keys.begin(), (*model)->keys.end());
+  for (const CameraParameter parameter : kParameters) known.emplace_back(sd_file_name_of(parameter, (*model)->name));
   if (Result<void> keys = check_keys(file, known); !keys) return keys.error();
   const Result<Size> size = read_size(file, {image_width, image_height});
   if (!size) return size.error();
@@ -223,6 +237,7 @@ Result<CameraSetup> read_camera_file(const std::string& path, int image_width, i
   CameraSetup setup;
   setup.camera = *camera;
   if (Result<void> mounting = read_mounting(file, &setup); !mounting) return mounting.error();
+  if (Result<void> sds = read_parameter_sds(file, &setup); !sds) return sds.error();
   const Result<Image> mask = read_mask(file, *size);
   if (!mask) return mask.error();
   setup.vehicle_mask = *mask;
@@ -263,6 +278,9 @@ Result<void> write_camera_file(const std::string& path, const CameraSetup& setup
   text += fmt::format("model: {}\nimage_size: [{}, {}]\n", camera.model(), camera.width(), camera.height());
   for (const internal::CameraModelFormat& format : internal::camera_model_formats()) {
     if (camera.model() == format.name) text += format.write(camera);
+  }
+  for (const auto& [parameter, sd] : setup.parameter_sds) {
+    text += fmt::format("{}: {}\n", sd_file_name_of(parameter, camera.model()), sd);
   }
   if (setup.height_m) text += fmt::format("height_m: {}\n", *setup.height_m);
   if (setup.height_sd_m) text += fmt::format("height_sd_m: {}\n", *setup.height_sd_m);

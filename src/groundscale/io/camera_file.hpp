@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 
 #include "groundscale/camera/camera.hpp"
 #include "groundscale/camera/mounting.hpp"
+#include "groundscale/camera/parameters.hpp"
 #include "groundscale/core/image.hpp"
 #include "groundscale/core/result.hpp"
 
@@ -24,6 +26,8 @@ struct CameraSetup {
   std::optional<double> pitch_rad;    ///< Empty: the program finds it in the first seconds.
   std::optional<double> roll_rad;
   std::optional<double> yaw_rad;
+  /// How well numbers of the camera are known, each in its own unit, above 0; those that aren't there are as given.
+  std::map<CameraParameter, double> parameter_sds;
   Image vehicle_mask;  ///< 255 where the own vehicle is in view; empty where it isn't.
 };
 

@@ -1,0 +1,37 @@
+#include "groundscale/calibration/focal_search.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+namespace groundscale {
+
+Result<double> search_focal(const CalibrationDrive& drive, const CameraSetup& setup, const OdometryOptions& odometry,
+                            const CalibrateOptions& options, const CalibrateProgress& progress) {
+  constexpr int kFrames = 200;
+  std::optional<double> best_px;
+  double best_rms_px = 0.0;
+  for (const double fov_deg : {40.0, 55.0, 70.0, 85.0, 100.0, 120.0}) {
+    const double focal_px = 0.5 * setup.camera->width() / std::tan(fov_deg * std::numbers::pi / 360.0);
+    const auto camera = with_value(CameraParameter::kFocal, focal_px, *setup.camera);
+    if (!camera) return camera.error();
+    CameraSetup tried = setup;
+    tried.camera = *camera;
+    const auto show = [&progress, fov_deg](int frames) {
+      if (progress) progress(fmt::format("a field of view of {:g} degrees", fov_deg), frames);
+    };
+    const auto pass = drive_pass(drive, tried, odometry, options.views, show, kFrames);
+    if (!pass) return pass.error();
+    const auto result =
+        adjust_batch(pass->tracks, *camera, {{CameraParameter::kFocal}, {CameraParameter::kRadial}}, options.batch);
+    if (!result) continue;
+    if (best_px && best_rms_px <= result->final_rms_px) continue;
+    best_px = result->values[0];
+    best_rms_px = result->final_rms_px;
+  }
+  if (best_px) return *best_px;
+  return Error{ErrorCode::kTooFewMatches, "no focal length explains the drive's tracks: --fov gives one to start from"};
+}
+
+}  // namespace groundscale
