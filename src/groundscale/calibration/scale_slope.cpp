@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,11 +12,7 @@
 namespace groundscale {
 namespace {
 
-struct Sample {
-  double distance_m = 0.0;
-  double log_ratio = 0.0;
-  double sd = 0.0;
-};
+using Sample = ScaleSlope::Sample;
 
 std::vector<Sample> samples_of(const std::vector<FrameResult>& results) {
   std::vector<Sample> samples;
@@ -29,10 +26,74 @@ std::vector<Sample> samples_of(const std::vector<FrameResult>& results) {
   return samples;
 }
 
+/// A weighted line y = level + slope x, x counted from the samples' middle, and what its errors need.
+struct Line {
+  double middle_m = 0.0;
+  double level = 0.0;
+  double slope = 0.0;
+  double spread = 0.1;  ///< Robust sd of the errors.
+  double determinant = 1.0, sum_w = 0.0, sum_x = 0.0, sum_xx = 0.0;
+
+  double x(const Sample& sample) const { return sample.distance_m - middle_m; }
+  double error(const Sample& sample) const { return sample.log_ratio - level - slope * x(sample); }
+  double weight(const Sample& sample) const {
+    return CauchyLoss{2.0 * spread}.weight(error(sample)) / (sample.sd * sample.sd);
+  }
+};
+
+Line fit_line(const std::vector<Sample>& samples) {
+  Line line;
+  for (const Sample& sample : samples) line.middle_m += sample.distance_m / static_cast<double>(samples.size());
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    line.sum_w = line.sum_x = line.sum_xx = 0.0;
+    double sum_y = 0.0, sum_xy = 0.0;
+    std::vector<double> deviations;
+    for (const Sample& sample : samples) {
+      const double x = line.x(sample);
+      const double w = line.weight(sample);
+      deviations.push_back(std::abs(line.error(sample)));
+      line.sum_w += w;
+      line.sum_x += w * x;
+      line.sum_xx += w * x * x;
+      sum_y += w * sample.log_ratio;
+      sum_xy += w * x * sample.log_ratio;
+    }
+    line.determinant = line.sum_w * line.sum_xx - line.sum_x * line.sum_x;
+    line.level = (line.sum_xx * sum_y - line.sum_x * sum_xy) / line.determinant;
+    line.slope = (line.sum_w * sum_xy - line.sum_x * sum_y) / line.determinant;
+    line.spread = std::max(1e-3, 1.4826 * median(std::move(deviations)));
+  }
+  return line;
+}
+
+/// Neighbouring measurements see the same road: their errors count together, each block's as if the line had been laid
+/// without it (jackknife).
+double slope_variance(const Line& line, const std::vector<Sample>& samples) {
+  constexpr double kBlockM = 25.0;
+  struct Block {
+    double change = 0.0;
+    double leverage = 0.0;
+  };
+  std::map<int, Block> blocks;
+  for (const Sample& sample : samples) {
+    const double x = line.x(sample);
+    const double w = line.weight(sample);
+    Block& block = blocks[static_cast<int>(sample.distance_m / kBlockM)];
+    block.change += w * line.error(sample) * (line.sum_w * x - line.sum_x) / line.determinant;
+    block.leverage += w * (line.sum_xx - 2.0 * line.sum_x * x + line.sum_w * x * x) / line.determinant;
+  }
+  double variance = 0.0;
+  for (const auto& [index, block] : blocks) {
+    constexpr double kMostLeverage = 0.9;
+    variance += std::pow(block.change / (1.0 - std::min(kMostLeverage, block.leverage)), 2);
+  }
+  return variance;
+}
+
 }  // namespace
 
 Result<ScaleSlope> scale_slope(const std::vector<FrameResult>& results) {
-  const std::vector<Sample> samples = samples_of(results);
+  std::vector<Sample> samples = samples_of(results);
   constexpr std::size_t kMinSamples = 20;
   constexpr double kMinLengthM = 30.0;
   const double length_m = samples.empty() ? 0.0 : samples.back().distance_m - samples.front().distance_m;
@@ -41,58 +102,14 @@ Result<ScaleSlope> scale_slope(const std::vector<FrameResult>& results) {
                  fmt::format("{} measurements of the ground over {:.0f} m, {} over {:.0f} m are needed", samples.size(),
                              length_m, kMinSamples, kMinLengthM)};
   }
-  double middle_m = 0.0;
-  for (const Sample& sample : samples) middle_m += sample.distance_m / static_cast<double>(samples.size());
-  double level = 0.0;
-  double slope = 0.0;
-  double spread = 0.1;
-  double determinant = 1.0, sum_w = 0.0, sum_x = 0.0, sum_xx = 0.0;
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    sum_w = sum_x = sum_xx = 0.0;
-    double sum_y = 0.0, sum_xy = 0.0;
-    std::vector<double> deviations;
-    for (const Sample& sample : samples) {
-      const double x = sample.distance_m - middle_m;
-      const double error = sample.log_ratio - level - slope * x;
-      deviations.push_back(std::abs(error));
-      const double w = CauchyLoss{2.0 * spread}.weight(error) / (sample.sd * sample.sd);
-      sum_w += w;
-      sum_x += w * x;
-      sum_xx += w * x * x;
-      sum_y += w * sample.log_ratio;
-      sum_xy += w * x * sample.log_ratio;
-    }
-    determinant = sum_w * sum_xx - sum_x * sum_x;
-    level = (sum_xx * sum_y - sum_x * sum_xy) / determinant;
-    slope = (sum_w * sum_xy - sum_x * sum_y) / determinant;
-    spread = std::max(1e-3, 1.4826 * median(std::move(deviations)));
-  }
-  // Neighbouring measurements see the same road: their errors count together, each block's as if the line had been laid
-  // without it (jackknife).
-  constexpr double kBlockM = 25.0;
-  struct Block {
-    double change = 0.0;
-    double leverage = 0.0;
-  };
-  std::map<int, Block> blocks;
-  for (const Sample& sample : samples) {
-    const double x = sample.distance_m - middle_m;
-    const double error = sample.log_ratio - level - slope * x;
-    const double w = CauchyLoss{2.0 * spread}.weight(error) / (sample.sd * sample.sd);
-    Block& block = blocks[static_cast<int>(sample.distance_m / kBlockM)];
-    block.change += w * error * (sum_w * x - sum_x) / determinant;
-    block.leverage += w * (sum_xx - 2.0 * sum_x * x + sum_w * x * x) / determinant;
-  }
-  double variance = 0.0;
-  for (const auto& [index, block] : blocks) {
-    constexpr double kMostLeverage = 0.9;
-    variance += std::pow(block.change / (1.0 - std::min(kMostLeverage, block.leverage)), 2);
-  }
+  const Line line = fit_line(samples);
   ScaleSlope result;
-  result.per_100m = 100.0 * slope;
-  result.sd_per_100m = 100.0 * std::sqrt(variance);
+  result.per_100m = 100.0 * line.slope;
+  result.sd_per_100m = 100.0 * std::sqrt(slope_variance(line, samples));
   result.length_m = length_m;
   result.measurements = static_cast<int>(samples.size());
+  result.level = line.level - line.slope * line.middle_m;
+  result.samples = std::move(samples);
   return result;
 }
 

@@ -9,10 +9,19 @@ namespace groundscale {
 
 /// How fast the scale of an odometry that isn't corrected runs away from the ground's.
 struct ScaleSlope {
+  /// A measurement of the ground.
+  struct Sample {
+    double distance_m = 0.0;  ///< Driven.
+    double log_ratio = 0.0;   ///< log(odometry's scale / ground's)
+    double sd = 0.0;          ///< Of it.
+  };
+
   double per_100m = 0.0;     ///< Of log(odometry's scale / ground's), > 0: lengths grow too long.
   double sd_per_100m = 0.0;  ///< From blocks of 25 m.
   double length_m = 0.0;     ///< Way between first and last measurement.
   int measurements = 0;
+  double level = 0.0;           ///< Of the line at distance 0: log ratio = level + per_100m distance_m / 100.
+  std::vector<Sample> samples;  ///< Through which it is laid, along the way.
 };
 
 /// Slope of y = log(held / measured) over the driven distance: a straight line by Cauchy-weighted least squares through

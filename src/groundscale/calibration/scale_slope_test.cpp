@@ -35,6 +35,20 @@ TEST(ScaleSlope, IsThatOfLengthsThatGrowTooLong) {
   EXPECT_EQ(slope->measurements, 199);
 }
 
+TEST(ScaleSlope, ItsLineRunsThroughTheMeasurementsAcceptedAlongTheWay) {
+  Rng rng(1);
+  auto results = drive(200, 0.08, 0.0, rng);
+  results[50].reason = "normal is off";
+  const ScaleSlope slope = scale_slope(results).value();
+  EXPECT_NEAR(slope.level, 0.02, 1e-9);
+  ASSERT_EQ(slope.samples.size(), 198U);
+  EXPECT_EQ(slope.samples[49].distance_m, 51.0);
+  for (const ScaleSlope::Sample& sample : slope.samples) {
+    EXPECT_NEAR(sample.log_ratio, slope.level + slope.per_100m * sample.distance_m / 100.0, 1e-9);
+    EXPECT_EQ(sample.sd, 0.01);
+  }
+}
+
 TEST(ScaleSlope, IsNotLedByOutliersOrRefusedMeasurements) {
   Rng rng(2);
   auto results = drive(300, 0.05, 0.003, rng);
