@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/LU>
@@ -78,6 +79,12 @@ std::optional<ScaleSlope> combined_slope(const std::vector<DrivePass>& passes) {
   return sum;
 }
 
+std::vector<std::optional<ScaleSlope>> slopes_of(const std::vector<DrivePass>& passes) {
+  std::vector<std::optional<ScaleSlope>> slopes;
+  for (const DrivePass& pass : passes) slopes.push_back(pass.slope);
+  return slopes;
+}
+
 /// The work of one calibration.
 class Calibrator {
  public:
@@ -114,6 +121,7 @@ class Calibrator {
   std::string why_refused(std::size_t j) const;
   Result<void> take_over();
   Result<void> adjust_row();
+  std::pair<double, std::optional<ResidualMap>> held_out(const CameraPtr& camera) const;
   Result<void> check();
   std::string why_not_adopted() const;
   Calibration stay(std::string why);
@@ -390,24 +398,34 @@ Result<void> Calibrator::adjust_row() {
   return {};
 }
 
-/// Held-out tracks with the poses that belong to each camera, and the slope with the new one.
+/// Tracks that took no part, with the poses that belong to a camera: their rms error, and where it lies.
+std::pair<double, std::optional<ResidualMap>> Calibrator::held_out(const CameraPtr& camera) const {
+  double squares = 0.0;
+  int drives = 0;
+  std::optional<ResidualMap> map;
+  for (const DrivePass& pass : passes_) {
+    const auto poses = adjust_batch(tracks_of(pass.tracks, takes_part), camera, {}, options_.batch);
+    if (!poses) continue;
+    const DriveTracks rest = tracks_of(pass.tracks, std::not_fn(takes_part));
+    const double rms_px = reprojection_rms_px(rest, poses->cam_from_world, *camera, options_.batch);
+    if (!std::isfinite(rms_px)) continue;
+    squares += rms_px * rms_px;
+    ++drives;
+    ResidualMap own = residual_map(rest, poses->cam_from_world, *camera, options_.batch);
+    if (map) map->merge(own);
+    if (!map) map = std::move(own);
+  }
+  return {std::sqrt(squares / std::max(1, drives)), std::move(map)};
+}
+
+/// Held-out tracks, and the slope with the new camera.
 Result<void> Calibrator::check() {
   say("tracks that took no part");
-  double squares[2] = {0.0, 0.0};
-  for (const int which : {0, 1}) {
-    const CameraPtr& camera = which == 0 ? setup_.camera : camera_;
-    for (const DrivePass& pass : passes_) {
-      const auto poses = adjust_batch(tracks_of(pass.tracks, takes_part), camera, {}, options_.batch);
-      if (!poses) continue;
-      const double rms_px = reprojection_rms_px(tracks_of(pass.tracks, std::not_fn(takes_part)), poses->cam_from_world,
-                                                *camera, options_.batch);
-      if (std::isfinite(rms_px)) squares[which] += rms_px * rms_px / static_cast<double>(passes_.size());
-    }
-  }
-  calibration_.held_out_before_px = std::sqrt(squares[0]);
-  calibration_.held_out_after_px = std::sqrt(squares[1]);
+  std::tie(calibration_.held_out_before_px, calibration_.residuals_before) = held_out(setup_.camera);
+  std::tie(calibration_.held_out_after_px, calibration_.residuals_after) = held_out(camera_);
   if (const auto done = pass(); !done) return done;
   calibration_.slope_after = combined_slope(passes_);
+  calibration_.slopes_after = slopes_of(passes_);
   calibration_.length_change = length_change(first_, passes_);
   return {};
 }
@@ -440,6 +458,7 @@ Result<Calibration> Calibrator::work() {
   calibration_.odometry_s = seconds_since(begin_);
   calibration_.setup = setup_;
   calibration_.slope_before = combined_slope(passes_);
+  calibration_.slopes_before = slopes_of(passes_);
   for (const DrivePass& pass : passes_) {
     calibration_.turned_deg += pass.turned_deg;
     calibration_.length_m += pass.length_m;

@@ -8,6 +8,7 @@
 #include "groundscale/calibration/batch_adjustment.hpp"
 #include "groundscale/calibration/drive_pass.hpp"
 #include "groundscale/calibration/drive_recorder.hpp"
+#include "groundscale/calibration/residual_map.hpp"
 #include "groundscale/calibration/scale_slope.hpp"
 #include "groundscale/camera/parameters.hpp"
 #include "groundscale/core/options.hpp"
@@ -61,10 +62,13 @@ struct Calibration {
   ParameterEstimate radial_by_tracks;                ///< Batch adjustment; sd 0 where there was none.
   std::optional<ParameterEstimate> radial_by_slope;  ///< What nulls the slope.
   std::optional<ScaleSlope> slope_before, slope_after;
+  /// The same of each drive.
+  std::vector<std::optional<ScaleSlope>> slopes_before, slopes_after;
   std::optional<double> length_change;  ///< Share by which lengths change at the height given.
   double held_out_before_px = 0.0;      ///< Reprojection error of a third of the tracks that took no part,
   double held_out_after_px = 0.0;       ///< with the poses that belong to each camera.
-  double turned_deg = 0.0;              ///< All drives together.
+  std::optional<ResidualMap> residuals_before, residuals_after;  ///< Of those tracks.
+  double turned_deg = 0.0;                                       ///< All drives together.
   double length_m = 0.0;
   int frames = 0;
   int passes = 0;           ///< Of the odometry.
