@@ -376,7 +376,7 @@ Result<int> Batch::iterate() {
   double damping = 1e-6;
   int iterations = 0;
   constexpr double kMaxDamping = 1e4;
-  constexpr double kMinDecrease = 1e-4;
+  constexpr double kMinDecrease = 1e-3;  // of the cost: below, reweighting only sorts outliers
   while (iterations < options_.max_iterations) {
     ++iterations;
     const auto around = neighbours(*state_.camera);

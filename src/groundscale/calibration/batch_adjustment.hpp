@@ -18,13 +18,13 @@ struct FreeParameter {
 };
 
 struct BatchOptions {
-  int max_iterations = 20;
+  int max_iterations = 12;
   double loss_px = 0.5;          ///< Bound of the Cauchy loss.
   double pixel_sd = 0.3;         ///< Of sights, against which priors are weighed.
   double min_parallax_px = 3.0;  ///< Of a track's point, at the image's centre; tracks with less take no part.
   double max_error_px = 2.0;     ///< Rms reprojection error at the start above which a track takes no part.
   int block_frames = 15;         ///< Errors of tracks whose middles lie in one such stretch count as one.
-  double converged_px = 0.01;    ///< The iteration ends where no parameter moves pixels by more than this.
+  double converged_px = 0.03;    ///< The iteration ends where no parameter moves pixels by more than this.
 };
 
 void visit_fields(BatchOptions& options, FieldVisitor& visitor);

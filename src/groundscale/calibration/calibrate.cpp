@@ -113,7 +113,7 @@ class Calibrator {
   }
   /// A pass over all drives with the present camera.
   Result<void> pass();
-  Result<std::vector<BatchResult>> adjust(const std::vector<FreeParameter>& free) const;
+  Result<std::vector<BatchResult>> adjust(const std::vector<FreeParameter>& free);
   Result<void> fix_by_priors();
   Result<void> find_by_tracks();
   void find_by_slope();
@@ -203,13 +203,20 @@ Result<void> Calibrator::pass() {
 }
 
 /// Drives that have too few tracks take no part where others have enough.
-Result<std::vector<BatchResult>> Calibrator::adjust(const std::vector<FreeParameter>& free) const {
+Result<std::vector<BatchResult>> Calibrator::adjust(const std::vector<FreeParameter>& free) {
   std::vector<BatchResult> results;
   std::optional<Error> failed;
-  for (const DrivePass& pass : passes_) {
+  for (DrivePass& pass : passes_) {
     auto result = adjust_batch(pass.tracks, camera_, free, options_.batch);
-    if (result) results.push_back(std::move(*result));
-    if (!result) failed = result.error();
+    if (!result) {
+      failed = result.error();
+      continue;
+    }
+    // What is adjusted next begins nearer to its end.
+    for (std::size_t view = 0; view < pass.tracks.views.size(); ++view) {
+      pass.tracks.views[view].cam_from_world = result->cam_from_world[view];
+    }
+    results.push_back(std::move(*result));
   }
   if (results.empty()) return *failed;
   return results;
@@ -258,8 +265,8 @@ Result<void> Calibrator::find_by_tracks() {
       const double moved = by_tracks_.values(static_cast<Eigen::Index>(j)) - present(j);
       moved_px = std::max(moved_px, std::abs(moved) / freed_[j].step);
     }
-    if (moved_px < options_.settled_px || round == options_.max_rounds) return {};
     camera_ = next;
+    if (moved_px < options_.settled_px || round == options_.max_rounds) return {};
     if (const auto done = pass(); !done) return done;
   }
 }
