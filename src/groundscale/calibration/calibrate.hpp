@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "groundscale/calibration/batch_adjustment.hpp"
 #include "groundscale/calibration/drive_pass.hpp"
-#include "groundscale/calibration/drive_recorder.hpp"
 #include "groundscale/calibration/residual_map.hpp"
-#include "groundscale/calibration/scale_slope.hpp"
 #include "groundscale/camera/parameters.hpp"
 #include "groundscale/core/options.hpp"
 #include "groundscale/core/result.hpp"
 #include "groundscale/io/camera_file.hpp"
+#include "groundscale/mapping/batch_adjustment.hpp"
+#include "groundscale/mapping/drive_recorder.hpp"
 #include "groundscale/odometry/options.hpp"
+#include "groundscale/odometry/scale_slope.hpp"
 
 namespace groundscale {
 

@@ -7,28 +7,13 @@
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/geometry/so3.hpp"
 #include "groundscale/odometry/odometry.hpp"
+#include "groundscale/odometry/turning.hpp"
 
 namespace groundscale {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kLeastFrames = 20;  // for a median
-
-/// Turning in pieces of 10 m, so that noise and lane keeping don't add up to turns.
-double turned_deg(const std::vector<RigidTransform>& world_from_cam) {
-  constexpr double kPieceM = 10.0;
-  constexpr double kLeastDeg = 3.0;
-  double sum = 0.0;
-  std::size_t begin = 0;
-  for (std::size_t k = 1; k < world_from_cam.size(); ++k) {
-    const RigidTransform from_begin = world_from_cam[begin].inverse() * world_from_cam[k];
-    if (from_begin.translation.norm() < kPieceM) continue;
-    const double turn_deg = rotation_angle(from_begin.rotation) / kDegree;
-    if (turn_deg >= kLeastDeg) sum += turn_deg;
-    begin = k;
-  }
-  return sum;
-}
 
 /// Pitch and roll by the ground, yaw by the direction of motion, where the vehicle goes straight.
 std::optional<Mounting> straight_mounting(const std::vector<FrameResult>& results,

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "groundscale/calibration/drive_recorder.hpp"
-#include "groundscale/calibration/drive_tracks.hpp"
-#include "groundscale/calibration/scale_slope.hpp"
 #include "groundscale/camera/mounting.hpp"
 #include "groundscale/core/result.hpp"
 #include "groundscale/io/camera_file.hpp"
 #include "groundscale/io/sequence.hpp"
+#include "groundscale/mapping/drive_recorder.hpp"
+#include "groundscale/mapping/drive_tracks.hpp"
 #include "groundscale/odometry/options.hpp"
+#include "groundscale/odometry/scale_slope.hpp"
 
 namespace groundscale {
 

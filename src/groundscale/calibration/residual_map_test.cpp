@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "groundscale/calibration/test_tracks_internal.hpp"
+#include "groundscale/mapping/test_tracks_internal.hpp"
 
 namespace groundscale {
 namespace {

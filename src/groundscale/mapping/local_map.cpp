@@ -87,6 +87,17 @@ int LocalMap::point_count() const {
                                         [](const auto& entry) { return entry.second.point_in_world.has_value(); }));
 }
 
+void LocalMap::use_camera(CameraPtr camera) {
+  camera_ = std::move(camera);
+  for (auto& [id, landmark] : landmarks_) {
+    std::erase_if(landmark.sights, [this](Landmark::Sight& sight) {
+      const auto ray = camera_->ray(sight.pixel);
+      if (ray) sight.ray = *ray;
+      return !ray.has_value();
+    });
+  }
+}
+
 int LocalMap::add(int frame, const RigidTransform& cam_from_world, const std::vector<TrackPoint>& points) {
   const int serial = next_serial_++;
   keyframes_.push_back({.serial = serial, .frame = frame, .cam_from_world = cam_from_world, .points = points});

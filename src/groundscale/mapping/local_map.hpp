@@ -57,6 +57,9 @@ class LocalMap {
   LocalMap(CameraPtr camera, const LocalMapOptions& options) : camera_(std::move(camera)), options_(options) {}
 
   void clear();
+  /// The camera is another one from now on, in the same axes: what was seen gets its rays anew; poses and points stay
+  /// until the next adjustment.
+  void use_camera(CameraPtr camera);
   bool empty() const { return keyframes_.empty(); }
   const std::deque<Keyframe>& keyframes() const { return keyframes_; }
   /// Null for one that has left the map.

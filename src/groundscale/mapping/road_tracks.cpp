@@ -25,6 +25,13 @@ void RoadTracks::clear() {
   tracks_.clear();
 }
 
+void RoadTracks::use_camera(CameraPtr camera) {
+  camera_ = std::move(camera);
+  for (auto& [id, track] : tracks_) {
+    for (Track::Sight& sight : track.sights) sight.ray = camera_->ray(sight.pixel).value_or(sight.ray);
+  }
+}
+
 void RoadTracks::add_sight(TrackId id, int frame, const Eigen::Vector2d& pixel) {
   const auto ray = camera_->ray(pixel);
   if (!ray) return;

@@ -33,6 +33,8 @@ class RoadTracks {
 
   /// Forgets all points and the view.
   void clear();
+  /// The camera is another one from now on, in the same axes: what was seen gets its rays anew.
+  void use_camera(CameraPtr camera);
   /// The image that later ones are followed from; empty before the first `look`.
   const RoadView& view() const { return view_; }
   int view_frame() const { return view_frame_; }  ///< -1 without one.

@@ -23,6 +23,9 @@ class Bridge {
   /// @param pairwise  Of the same camera and options, before its first frame.
   Bridge(const CameraSetup& setup, const OdometryOptions& options, PairwiseOdometry pairwise);
 
+  /// The camera is another one in the stretches to come, in the same axes.
+  void use_camera(CameraPtr camera) { setup_.camera = std::move(camera); }
+
   const FrameResult& advance(const TrackedFrame& present);
   /// A new stretch, which goes on from the last frames that a map has carried.
   /// @param recent   Latest frames with an image that moved.

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include <Eigen/Core>
 
+#include "groundscale/camera/parameters.hpp"
 #include "groundscale/geometry/rigid_transform.hpp"
 
 namespace groundscale {
@@ -66,6 +68,16 @@ struct ScaleEvent {
   double lambda = 1.0;                ///< What the map was scaled by.
   double drift_before = 1.0;          ///< Drift ratio of the last measurement before,
   std::optional<double> drift_after;  ///< and of the first one after; empty where none came.
+};
+
+/// That numbers of the camera were found anew while driving.
+struct CameraEvent {
+  int frame = 0;  ///< Its number in the source.
+  struct Value {
+    double value = 0.0;
+    double sd = 0.0;
+  };
+  std::map<CameraParameter, Value> values;
 };
 
 }  // namespace groundscale

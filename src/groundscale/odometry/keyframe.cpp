@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "groundscale/camera/turned_camera.hpp"
+
 namespace groundscale {
 namespace {
 
@@ -37,7 +39,8 @@ Result<std::unique_ptr<KeyframeOdometry>> KeyframeOdometry::create(const CameraS
 }
 
 KeyframeOdometry::KeyframeOdometry(const CameraSetup& setup, const OdometryOptions& options, PairwiseOdometry pairwise)
-    : camera_(setup.camera),
+    : start_camera_(setup.camera),
+      camera_(setup.camera),
       options_(options),
       tracking_mask_(allowed_of(setup.vehicle_mask)),
       rng_(static_cast<std::uint64_t>(options.seed)),
@@ -46,7 +49,8 @@ KeyframeOdometry::KeyframeOdometry(const CameraSetup& setup, const OdometryOptio
       bridge_(setup, options, std::move(pairwise)),
       map_(setup.camera, options.keyframe.map),
       lost_(setup.camera, options.keyframe.resection),
-      keeper_(*setup.height_m, options.odometry.scale_correction, options.scale) {}
+      keeper_(*setup.height_m, options.odometry.scale_correction, options.scale),
+      refiner_(setup, options.camera) {}
 
 const FrameResult& KeyframeOdometry::advance(const Frame& frame, const Image& road_mask) {
   landmarks_.clear();
@@ -161,7 +165,42 @@ const FrameResult& KeyframeOdometry::map_frame(FrameResult result, TrackedFrame&
     const double online = (world_from_cam.translation - online_poses_.back().translation).norm();
     if (online > 0.0) *result.raw_over_online *= links_.latest().unit_m * step.translation.norm() / online;
   }
-  return append(std::move(result), world_from_cam);
+  const FrameResult& done = append(std::move(result), world_from_cam);
+  refine_camera(done);
+  return done;
+}
+
+/// The frame takes part in finding the camera.
+void KeyframeOdometry::refine_camera(const FrameResult& result) {
+  if (options_.camera.refine == CameraRefinement::kNone) return;
+  CameraRefiner::Placed placed{.frame = result.frame,
+                               .cam_from_world = trail_.latest().cam_from_world,
+                               .unit_m = keeper_.held(),
+                               .step_m = result.online_step_m};
+  if (result.accepted()) {
+    placed.measured = *result.map_scale * *result.drift_ratio;
+    placed.measured_sd = result.raw_sd;
+  }
+  refiner_.add(placed, tracker_.points());
+  clock_.lap("camera");
+}
+
+/// What was seen is seen by another camera, whose axes are turned so that poses and points stay.
+void KeyframeOdometry::use_camera(const CameraPtr& camera) {
+  camera_from_axes_ = turn_between(*start_camera_, *camera);
+  camera_ = std::make_shared<TurnedCamera>(camera, camera_from_axes_);
+  map_.use_camera(camera_);
+  road_.use_camera(camera_);
+  lost_.use_camera(camera_);
+  bridge_.use_camera(camera_);
+}
+
+Mounting KeyframeOdometry::mounting() const {
+  Mounting mounting = road_.mounting().mounting();
+  const PlaneAngles angles = plane_angles(camera_from_axes_ * mounting.normal_in_cam());
+  mounting.pitch_rad = angles.pitch_rad;
+  mounting.roll_rad = angles.roll_rad;
+  return mounting;
 }
 
 const FrameResult& KeyframeOdometry::stand(FrameResult result, const TrackedFrame& present) {
@@ -181,6 +220,9 @@ void KeyframeOdometry::add_keyframe(const TrackedFrame& present, const RigidTran
   std::vector<TrackPoint> points = present.tracked.points;
   // Points of the road, which are tracked better than others so near.
   for (const Match& match : road_.matches()) points.push_back({match.id + kFirstRoadId, match.pixel2});
+  if (options_.camera.refine == CameraRefinement::kOnline) {
+    if (const auto camera = refiner_.next()) use_camera(*camera);
+  }
   const int serial = map_.add(present.index, cam_from_world, points);
   if (pending_correction_) correct_map(present.frame.index);
   map_.triangulate();
@@ -234,7 +276,7 @@ void KeyframeOdometry::take_report(FrameResult& result, const ScaleReport& repor
     correction_open_ = false;
   }
   result.raw_sd = report.measured_sd;
-  const PlaneAngles angles = plane_angles(report.plane_in_cam.normal_in_cam);
+  const PlaneAngles angles = plane_angles(camera_from_axes_ * report.plane_in_cam.normal_in_cam);
   result.pitch_rad = angles.pitch_rad;
   result.roll_rad = angles.roll_rad;
   if (report.correction) pending_correction_ = report.correction;
@@ -248,6 +290,7 @@ void KeyframeOdometry::correct_map(int frame) {
   corrections_.push_back({frame, lambda, last_drift_ratio_, std::nullopt});
   correction_open_ = true;
   pending_correction_.reset();
+  refiner_.restart();
   // The road's points are placed by the scaled part of the trail alone.
   trail_.forget_before(oldest.frame);
   trail_.scale(lambda);
@@ -269,9 +312,18 @@ const FrameResult& KeyframeOdometry::append(FrameResult result, const RigidTrans
   if (!online_poses_.empty()) {
     result.online_step_m = (world_from_cam_m.translation - online_poses_.back().translation).norm();
   }
-  online_poses_.push_back(world_from_cam_m);
+  online_poses_.emplace_back();
+  online_output_.emplace_back();
+  place(online_poses_.size() - 1, world_from_cam_m);
   results_.push_back(std::move(result));
   return results_.back();
+}
+
+/// Online pose of frame k, in the start camera's axes and as it comes out.
+void KeyframeOdometry::place(std::size_t k, const RigidTransform& world_from_cam_m) {
+  online_poses_[k] = world_from_cam_m;
+  online_output_[k] = world_from_cam_m;
+  online_output_[k].rotation *= camera_from_axes_.transpose();
 }
 
 FrameDetails KeyframeOdometry::details() const {
@@ -296,6 +348,9 @@ void KeyframeOdometry::finish() {
   std::vector<MapScaleFilter::Smoothed> smoothed;
   if (keeper_.follows_ground()) smoothed = keeper_.smoothed();
   final_poses_ = links_.poses_m(smoothed);
+  // In the axes of the camera as known in the end, the first one's too.
+  const RigidTransform turn{camera_from_axes_, Eigen::Vector3d::Zero()};
+  for (RigidTransform& pose : final_poses_) pose = turn * pose * turn.inverse();
   for (std::size_t k = 0; k < results_.size(); ++k) {
     const PoseLink& link = links_[static_cast<int>(k)];
     if (link.reference < 0) continue;

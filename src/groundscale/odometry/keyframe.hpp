@@ -10,6 +10,7 @@
 #include "groundscale/mapping/local_map.hpp"
 #include "groundscale/mapping/resection.hpp"
 #include "groundscale/odometry/bridge.hpp"
+#include "groundscale/odometry/camera_refiner.hpp"
 #include "groundscale/odometry/lost_map.hpp"
 #include "groundscale/odometry/map_trail.hpp"
 #include "groundscale/odometry/odometry.hpp"
@@ -37,13 +38,14 @@ class KeyframeOdometry final : public Odometry {
   const std::vector<FrameResult>& results() const override { return results_; }
   FrameDetails details() const override;
   bool scaled() const override { return scaled_; }
-  const std::vector<RigidTransform>& online_poses() const override { return online_poses_; }
+  const std::vector<RigidTransform>& online_poses() const override { return online_output_; }
   std::vector<RigidTransform> final_poses() const override { return final_poses_; }
   std::vector<ScaleEvent> corrections() const override { return corrections_; }
+  std::vector<CameraEvent> camera_changes() const override { return refiner_.events(); }
   const std::vector<TrackPoint>& tracks() const override { return tracker_.points(); }
   const StageClock& clock() const override { return clock_; }
   const RoadDetector* road_detector() const override { return road_.detector(); }
-  Mounting mounting() const override { return road_.mounting().mounting(); }
+  Mounting mounting() const override;
 
  private:
   KeyframeOdometry(const CameraSetup& setup, const OdometryOptions& options, PairwiseOdometry pairwise);
@@ -67,14 +69,21 @@ class KeyframeOdometry final : public Odometry {
   bool stands_still(const TrackedPoints& tracked) const;
   bool wants_keyframe(const TrackedPoints& tracked) const;
   void add_keyframe(const TrackedFrame& present, const RigidTransform& cam_from_world);
+  void use_camera(const CameraPtr& camera);
   void correct_map(int frame);
   void measure_scale(FrameResult& result, const TrackedFrame& present);
   void hold_by_ground(const ScaleReport& report);
   void take_report(FrameResult& result, const ScaleReport& report);
+  void refine_camera(const FrameResult& result);
   const FrameResult& append(FrameResult result, const RigidTransform& world_from_cam_m);
+  void place(std::size_t k, const RigidTransform& world_from_cam_m);
   const FrameResult& coast(FrameResult result, const TrackedFrame& present, std::string reason);
 
+  CameraPtr start_camera_;
+  /// The present one, in the axes of the start's: poses, points and normals are all in these, and are turned where they
+  /// come out.
   CameraPtr camera_;
+  Eigen::Matrix3d camera_from_axes_ = Eigen::Matrix3d::Identity();
   OdometryOptions options_;
   Image tracking_mask_;
   Rng rng_;
@@ -85,6 +94,7 @@ class KeyframeOdometry final : public Odometry {
   LocalMap map_;
   LostMap lost_;
   ScaleKeeper keeper_;
+  CameraRefiner refiner_;
   std::deque<TrackedFrame> recent_;
   MapTrail trail_;
   std::optional<double> pending_correction_;
@@ -99,7 +109,8 @@ class KeyframeOdometry final : public Odometry {
 
   std::vector<FrameResult> results_;
   PoseLinks links_;
-  std::vector<RigidTransform> online_poses_, final_poses_;
+  std::vector<RigidTransform> online_poses_;                 ///< In the start camera's axes;
+  std::vector<RigidTransform> online_output_, final_poses_;  ///< in the axes of the camera as known then.
   StageClock clock_;
   bool scaled_ = false;
 };

@@ -33,7 +33,7 @@ void KeyframeOdometry::adopt_bridge_scale() {
     results_[k].online_step_m = measured.online_step_m;
     results_[k].scaled = true;
     if (k > 0) links_[static_cast<int>(k)].reference_from_cam = online_poses_[k - 1].inverse() * pose;
-    online_poses_[k] = pose;
+    place(k, pose);
   }
 }
 
@@ -102,7 +102,7 @@ bool KeyframeOdometry::start_map(const TrackedFrame& present) {
   links_.latest() = {first->index, link, 1.0, true, true, link};
   trail_.follow(map_);
   links_.place_keyframes(map_);
-  online_poses_.back() = links_.latest_pose_m(map_);
+  place(online_poses_.size() - 1, links_.latest_pose_m(map_));
   const std::size_t before = online_poses_.size() - 2;  // a map has two views
   results_.back().online_step_m = (online_poses_.back().translation - online_poses_[before].translation).norm();
   halt_points_ = present.tracked.points;
@@ -150,9 +150,10 @@ void KeyframeOdometry::begin_trail() {
 void KeyframeOdometry::lose_map(const TrackedFrame& present) {
   mapping_ = false;
   correction_open_ = false;
+  refiner_.restart();
   lost_.wait(present.frame.time_s);
   road_.lose();
-  bridge_.restart(mounting(), recent_, results_);
+  bridge_.restart(road_.mounting().mounting(), recent_, results_);
 }
 
 /// Pose of a frame that has lost the map; the landmarks that it shows are followed again from here.

@@ -18,6 +18,9 @@ class LostMap {
  public:
   LostMap(CameraPtr camera, const ResectionOptions& options) : camera_(std::move(camera)), options_(options) {}
 
+  /// The camera is another one from now on, in the same axes.
+  void use_camera(CameraPtr camera) { camera_ = std::move(camera); }
+
   /// Takes views of the map for a frame that has lost it.
   /// @param recent   Latest frames with an image.
   /// @param located  Index of the last frame that the map has located.

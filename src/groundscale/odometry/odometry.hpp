@@ -57,6 +57,8 @@ class Odometry {
   virtual const std::vector<TrackPoint>& tracks() const = 0;
   /// Scalings of the map so far.
   virtual std::vector<ScaleEvent> corrections() const { return {}; }
+  /// Changes of the camera so far.
+  virtual std::vector<CameraEvent> camera_changes() const { return {}; }
   /// Time that each stage has taken so far.
   virtual const StageClock& clock() const = 0;
   /// The road network; null where the options name none.

@@ -124,6 +124,7 @@ void visit_fields(KeyframeOptions& options, FieldVisitor& visitor) {
 void visit_fields(OdometryOptions& options, FieldVisitor& visitor) {
   visitor.field({.key = "seed", .unit = "", .help = "of all random draws", .min = 0, .max = 2147483647}, options.seed);
   visitor.group("odometry", options.odometry);
+  visitor.group("camera", options.camera);
   visitor.group("tracking", options.tracking);
   visitor.group("motion", options.motion);
   visitor.group("pair", options.pair);

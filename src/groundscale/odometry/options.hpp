@@ -7,6 +7,7 @@
 #include "groundscale/mapping/resection.hpp"
 #include "groundscale/mapping/road_tracks.hpp"
 #include "groundscale/motion/two_view.hpp"
+#include "groundscale/odometry/camera_refiner.hpp"
 #include "groundscale/plane/methods.hpp"
 #include "groundscale/road/region.hpp"
 #include "groundscale/road/road_network.hpp"
@@ -90,6 +91,7 @@ void visit_fields(KeyframeOptions& options, FieldVisitor& visitor);
 struct OdometryOptions {
   int seed = 0;
   PipelineOptions odometry;
+  CameraRefineOptions camera;
   TrackingOptions tracking;
   MotionOptions motion;
   PairOptions pair;

@@ -29,6 +29,12 @@ class RoadFollower {
   /// The map is lost, and with it the points.
   void lose() { road_.clear(); }
 
+  /// The camera is another one from now on, in the same axes.
+  void use_camera(const CameraPtr& camera) {
+    camera_ = camera;
+    road_.use_camera(camera);
+  }
+
   /// Follows the points from the frame that was last looked at into the present one.
   void follow(const TrackedFrame& present, const MapTrail& trail, double unit_m);
   /// Finds new points in the present frame along the path ahead, where the last one with new points lies far enough

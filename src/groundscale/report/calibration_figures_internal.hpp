@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "groundscale/calibration/residual_map.hpp"
-#include "groundscale/calibration/scale_slope.hpp"
+#include "groundscale/odometry/scale_slope.hpp"
 
 namespace groundscale::internal {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "groundscale/calibration/residual_map.hpp"
-#include "groundscale/calibration/scale_slope.hpp"
 #include "groundscale/core/result.hpp"
+#include "groundscale/odometry/scale_slope.hpp"
 
 namespace groundscale {
 

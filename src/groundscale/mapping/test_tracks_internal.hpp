@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "groundscale/calibration/drive_tracks.hpp"
+#include "groundscale/mapping/drive_tracks.hpp"
 #include "groundscale/camera/camera.hpp"
 #include "groundscale/camera/parameters.hpp"
 #include "groundscale/camera/pinhole.hpp"

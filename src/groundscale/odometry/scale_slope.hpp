@@ -24,10 +24,17 @@ struct ScaleSlope {
   std::vector<Sample> samples;  ///< Through which it is laid, along the way.
 };
 
-/// Slope of y = log(held / measured) over the driven distance: a straight line by Cauchy-weighted least squares through
-/// the ground's measurements, each by its sd, which is larger in turns.
-/// @param results  Of a keyframe odometry without scale correction, finished.
-/// @return kTooFewMatches below 30 m or 20 measurements.
-Result<ScaleSlope> scale_slope(const std::vector<FrameResult>& results);
+/// A straight line through measurements by Cauchy-weighted least squares, each by its sd.
+/// @param samples  Distances ascending. @return kTooFewMatches below 30 m or 20 measurements.
+Result<ScaleSlope> fit_scale_slope(std::vector<ScaleSlope::Sample> samples);
+
+/// Slope of y = -log(the ground's metres per unit of the map) over the driven distance, whatever scale is held
+/// meanwhile (fit_scale_slope). Its measurements have larger sds in turns. Where one map ends and another begins, or a
+/// map is scaled, a new line begins; the slopes of several are combined by their sds, the samples and the level are
+/// those of the longest.
+/// @param results  Of a keyframe odometry, finished.
+/// @param scaled  Where maps were scaled.
+/// @return kTooFewMatches where no line is long enough.
+Result<ScaleSlope> scale_slope(const std::vector<FrameResult>& results, const std::vector<ScaleEvent>& scaled = {});
 
 }  // namespace groundscale

@@ -1,4 +1,4 @@
-#include "groundscale/calibration/drive_recorder.hpp"
+#include "groundscale/mapping/drive_recorder.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "groundscale/calibration/scale_slope.hpp"
+#include "groundscale/odometry/scale_slope.hpp"
 
 #include <cmath>
 
@@ -21,6 +21,7 @@ std::vector<FrameResult> drive(int frames, double slope_per_100m, double noise, 
     result.online_step_m = 1.0;
     result.raw_over_online = 1.0;
     result.raw_sd = 0.01;
+    result.map_scale = 1.0;
     result.drift_ratio = std::exp(-0.01 * slope_per_100m * k - 0.02 - noise * shared);
   }
   return results;
@@ -58,6 +59,32 @@ TEST(ScaleSlope, IsNotLedByOutliersOrRefusedMeasurements) {
     results[k].reason = "normal is off";
   }
   EXPECT_NEAR(scale_slope(results).value().per_100m, 0.05, 0.004);
+}
+
+TEST(ScaleSlope, OfAScaleThatFollowsTheGroundIsThatOfItsMap) {
+  Rng rng(1);
+  auto results = drive(200, 0.08, 0.0, rng);
+  for (FrameResult& result : results) {
+    if (!result.drift_ratio) continue;
+    result.map_scale = *result.drift_ratio;
+    result.drift_ratio = 1.0;
+  }
+  EXPECT_NEAR(scale_slope(results).value().per_100m, 0.08, 1e-9);
+}
+
+TEST(ScaleSlope, BeginsANewLineWhereTheMapEndsOrIsScaled) {
+  Rng rng(1);
+  auto results = drive(200, 0.08, 0.0, rng);
+  results[80].map_scale.reset();  // bridged
+  results[80].drift_ratio.reset();
+  for (std::size_t k = 81; k < results.size(); ++k) *results[k].drift_ratio *= 1.5;
+  for (std::size_t k = 140; k < results.size(); ++k) *results[k].drift_ratio *= 0.7;
+  ScaleEvent scaled;
+  scaled.frame = 140;
+  const ScaleSlope slope = scale_slope(results, {scaled}).value();
+  EXPECT_NEAR(slope.per_100m, 0.08, 1e-9);
+  EXPECT_EQ(slope.measurements, 79 + 59 + 60);
+  EXPECT_EQ(slope.samples.size(), 79U);
 }
 
 TEST(ScaleSlope, StatesAnErrorThatHoldsForCorrelatedMeasurements) {

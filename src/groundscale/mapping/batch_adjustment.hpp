@@ -4,10 +4,10 @@
 
 #include <Eigen/Core>
 
-#include "groundscale/calibration/drive_tracks.hpp"
 #include "groundscale/camera/parameters.hpp"
 #include "groundscale/core/options.hpp"
 #include "groundscale/core/result.hpp"
+#include "groundscale/mapping/drive_tracks.hpp"
 
 namespace groundscale {
 

@@ -3,9 +3,9 @@
 #include <map>
 #include <vector>
 
-#include "groundscale/calibration/drive_tracks.hpp"
 #include "groundscale/core/options.hpp"
 #include "groundscale/geometry/rigid_transform.hpp"
+#include "groundscale/mapping/drive_tracks.hpp"
 
 namespace groundscale {
 

@@ -1,8 +1,9 @@
-#include "groundscale/calibration/scale_slope.hpp"
+#include "groundscale/odometry/scale_slope.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,16 +15,23 @@ namespace {
 
 using Sample = ScaleSlope::Sample;
 
-std::vector<Sample> samples_of(const std::vector<FrameResult>& results) {
-  std::vector<Sample> samples;
+/// Measurements of the ground, those of each map apart.
+std::vector<std::vector<Sample>> samples_of(const std::vector<FrameResult>& results,
+                                            const std::vector<ScaleEvent>& scaled) {
+  std::vector<std::vector<Sample>> maps(1);
   double distance_m = 0.0;
+  auto next = scaled.begin();
   for (std::size_t k = 1; k < results.size(); ++k) {
     const FrameResult& result = results[k];
     distance_m += result.online_step_m;
+    const bool is_scaled = next != scaled.end() && result.frame >= next->frame;
+    if (is_scaled) ++next;
+    const bool other_map = result.state != FrameState::kStill && !result.map_scale.has_value();
+    if ((is_scaled || other_map) && !maps.back().empty()) maps.emplace_back();
     if (!result.accepted() || !result.drift_ratio) continue;
-    samples.push_back({distance_m, -std::log(*result.drift_ratio), result.raw_sd});
+    maps.back().push_back({distance_m, -std::log(*result.drift_ratio * *result.map_scale), result.raw_sd});
   }
-  return samples;
+  return maps;
 }
 
 /// A weighted line y = level + slope x, x counted from the samples' middle, and what its errors need.
@@ -92,8 +100,7 @@ double slope_variance(const Line& line, const std::vector<Sample>& samples) {
 
 }  // namespace
 
-Result<ScaleSlope> scale_slope(const std::vector<FrameResult>& results) {
-  std::vector<Sample> samples = samples_of(results);
+Result<ScaleSlope> fit_scale_slope(std::vector<ScaleSlope::Sample> samples) {
   constexpr std::size_t kMinSamples = 20;
   constexpr double kMinLengthM = 30.0;
   const double length_m = samples.empty() ? 0.0 : samples.back().distance_m - samples.front().distance_m;
@@ -111,6 +118,33 @@ Result<ScaleSlope> scale_slope(const std::vector<FrameResult>& results) {
   result.level = line.level - line.slope * line.middle_m;
   result.samples = std::move(samples);
   return result;
+}
+
+Result<ScaleSlope> scale_slope(const std::vector<FrameResult>& results, const std::vector<ScaleEvent>& scaled) {
+  std::optional<ScaleSlope> longest;
+  double information = 0.0, weighted = 0.0, length_m = 0.0;
+  int measurements = 0;
+  Error failed;
+  for (std::vector<Sample>& samples : samples_of(results, scaled)) {
+    auto slope = fit_scale_slope(std::move(samples));
+    if (!slope) {
+      failed = slope.error();
+      continue;
+    }
+    constexpr double kLeastSd = 1e-4;
+    const double own = 1.0 / std::pow(std::max(kLeastSd, slope->sd_per_100m), 2);
+    information += own;
+    weighted += own * slope->per_100m;
+    length_m += slope->length_m;
+    measurements += slope->measurements;
+    if (!longest || slope->length_m > longest->length_m) longest = std::move(*slope);
+  }
+  if (!longest) return failed;
+  longest->per_100m = weighted / information;
+  longest->sd_per_100m = 1.0 / std::sqrt(information);
+  longest->length_m = length_m;
+  longest->measurements = measurements;
+  return *longest;
 }
 
 }  // namespace groundscale

@@ -1,4 +1,4 @@
-#include "groundscale/calibration/batch_adjustment.hpp"
+#include "groundscale/mapping/batch_adjustment.hpp"
 
 #include <algorithm>
 #include <cmath>
