@@ -42,6 +42,7 @@ class KeyframeOdometry final : public Odometry {
   std::vector<ScaleEvent> corrections() const override { return corrections_; }
   const StageClock& clock() const override { return clock_; }
   const RoadDetector* road_detector() const override { return road_.detector(); }
+  const SpeedReference* speed_reference() const override { return speed_.get(); }
   Mounting mounting() const override { return road_.mounting().mounting(); }
 
  private:
@@ -68,6 +69,7 @@ class KeyframeOdometry final : public Odometry {
   void add_keyframe(const TrackedFrame& present, const RigidTransform& cam_from_world);
   void correct_map(int frame);
   void measure_scale(FrameResult& result, const TrackedFrame& present);
+  std::optional<LoggedStep> logged_step() const;
   void hold_by_ground(const ScaleReport& report);
   void take_report(FrameResult& result, const ScaleReport& report);
   const FrameResult& append(FrameResult result, const RigidTransform& world_from_cam_m);
@@ -79,6 +81,7 @@ class KeyframeOdometry final : public Odometry {
   Rng rng_;
   Tracker tracker_;
   RoadFollower road_;
+  std::shared_ptr<SpeedReference> speed_;
   Bridge bridge_;
 
   LocalMap map_;

@@ -14,6 +14,7 @@
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/io/text_internal.hpp"
 #include "groundscale/io/trajectory_file.hpp"
+#include "groundscale/odometry/speed_check.hpp"
 
 namespace groundscale {
 namespace {
@@ -81,6 +82,12 @@ std::string summary_json(const RunSummary& s) {
          {"drift_before", event.drift_before},
          {"drift_after", event.drift_after ? nlohmann::json(*event.drift_after) : nlohmann::json()}});
   }
+  if (s.speed_log) {
+    const std::optional<double>& ratio = s.speed_log->ratio;
+    json["speed_log"] = {{"file", s.speed_log->file},
+                         {"frames_scaled", s.speed_log->scaled},
+                         {"ratio_to_ground", ratio ? nlohmann::json(*ratio) : nlohmann::json()}};
+  }
   json["warnings"] = s.warnings;
   json["time"] = {{"wall_s", s.wall_s}, {"median_ms_a_frame", s.median_ms}, {"p95_ms_a_frame", s.p95_ms}};
   for (const auto& [stage, ms] : s.stage_ms) json["time"]["mean_ms_a_frame"][stage] = ms;
@@ -129,6 +136,13 @@ MatchingFigures matching_figures(const std::vector<FrameResult>& results) {
   return figures;
 }
 
+void add_speed_figures(const SpeedReference& speed, const std::vector<FrameResult>& results, RunSummary& summary) {
+  const auto scaled =
+      std::count_if(results.begin(), results.end(), [](const FrameResult& r) { return r.by_speed_log; });
+  summary.speed_log = {speed.options().file, static_cast<int>(scaled), speed.ratio()};
+  for (std::string& warning : speed_warnings(speed, results)) summary.warnings.push_back(std::move(warning));
+}
+
 }  // namespace
 
 void add_figures(const Odometry& odometry, RunSummary& summary) {
@@ -152,14 +166,15 @@ void add_figures(const Odometry& odometry, RunSummary& summary) {
         ++summary.lost;
         break;
     }
-    if (result.accepted()) {
-      ++summary.accepted;
-      if (!summary.first_scaled_frame) summary.first_scaled_frame = result.frame;
+    if (result.accepted()) ++summary.accepted;
+    if (!summary.first_scaled_frame && (result.accepted() || result.by_speed_log)) {
+      summary.first_scaled_frame = result.frame;
     }
     if (odometry.scaled()) summary.length_m += result.step_m;
   }
   summary.corrections = odometry.corrections();
   summary.matching = matching_figures(odometry.results());
+  if (const SpeedReference* speed = odometry.speed_reference()) add_speed_figures(*speed, odometry.results(), summary);
   if (odometry.road_detector() == nullptr) return;
   summary.network_runs = odometry.road_detector()->runs();
   summary.network_ms = 1e3 * odometry.road_detector()->network_s() / std::max(1, summary.network_runs);

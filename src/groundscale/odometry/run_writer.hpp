@@ -43,6 +43,13 @@ struct RunSummary {
   double length_m = 0.0;
   std::optional<int> first_scaled_frame;
   std::vector<ScaleEvent> corrections;
+  /// With a speed log.
+  struct SpeedLogFigures {
+    std::string file;
+    int scaled = 0;               ///< Frames whose scale it gave in place of the ground.
+    std::optional<double> ratio;  ///< Its speeds over those by the ground, where both are there.
+  };
+  std::optional<SpeedLogFigures> speed_log;
 
   double wall_s = 0.0;
   std::vector<std::pair<std::string, double>> stage_ms;  ///< Mean a frame, in the order of the work.
@@ -51,7 +58,7 @@ struct RunSummary {
   double network_ms = 0.0;                               ///< and the mean of one.
 };
 
-/// Counts states, accepted measurements and length.
+/// Counts states, measurements and length, and warns of what is wrong with a speed log.
 void add_figures(const Odometry& odometry, RunSummary& summary);
 
 /// The files of a run's folder (docs/formats.md). Online rows are written as the drive goes, the others at its end,
