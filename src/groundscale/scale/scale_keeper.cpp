@@ -78,11 +78,11 @@ void visit_fields(ScaleKeeperOptions& options, FieldVisitor& visitor) {
                 options.correlation_m);
   visitor.field({.key = "tie_m", .unit = "m", .help = "way behind that is tied to the plane", .min = 0, .max = 100},
                 options.tie_m);
+  visit_fields(options.speed, visitor);
   visitor.group("ahead", options.ahead);
   visitor.group("path", options.path);
   visitor.group("plane", options.plane);
   visitor.group("filter", options.filter);
-  visit_fields(options.speed, visitor);
 }
 
 void ScaleKeeper::start(double metres_per_unit, double sd, int frames) {

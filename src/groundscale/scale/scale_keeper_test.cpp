@@ -407,8 +407,8 @@ double held_over_true(ScaleCorrection correction, std::optional<double> factor) 
 TEST(ScaleKeeper, ASpeedLogHoldsTheScaleWhereNoGroundIsSeen) {
   for (const ScaleCorrection correction : {ScaleCorrection::kFiltered, ScaleCorrection::kContinuous}) {
     EXPECT_LT(held_over_true(correction, std::nullopt), 0.9);  // 15 % of drift
-    // The gain is the walk of a step over the log's sd, 0.002 sqrt(0.8) / 0.08 = 0.022: the filter lags by 45 steps, and
-    // the map drifts by 0.11 % in each.
+    // The gain is the walk of a step over the log's sd, 0.002 sqrt(0.8) / 0.08 = 0.022: the filter lags by 45 steps,
+    // and the map drifts by 0.11 % in each.
     EXPECT_NEAR(held_over_true(correction, 1.0), 0.95, 0.01);
   }
 }
