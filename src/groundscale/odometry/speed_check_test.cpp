@@ -12,7 +12,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// 10 m/s from 50 to 60 s by the log's clock, which is 50 s ahead.
-SpeedReference reference_of(std::vector<double> times_s = {50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60}) {
+SpeedReference reference_of(const std::vector<double>& times_s = {50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60}) {
   std::vector<SpeedSample> samples;
   for (const double time_s : times_s) samples.push_back({time_s, 10.0});
   return {SpeedLog::create(std::move(samples)).value(), {.file = "speed.csv", .offset_s = 50.0}};
