@@ -246,6 +246,12 @@ Result<void> find_and_write(const HeightArguments& a) {
   if (const auto fine = check_arguments(a); !fine) return fine;
   const auto config = read_config(a.source);
   if (!config) return config.error();
+  if (const std::string& file = config->odometry.scale.speed.file; !file.empty()) {
+    return bad_input(
+        fmt::format("scale.speed is {}: the height is found from what the ground alone says; --set "
+                    "scale.speed= leaves it out",
+                    file));
+  }
   const auto log = read_log(a);
   if (!log) return log.error();
   auto camera = Result<CameraChoice>(Error{});

@@ -24,6 +24,7 @@
 #include "groundscale/odometry/odometry.hpp"
 #include "groundscale/odometry/run_source.hpp"
 #include "groundscale/odometry/run_writer.hpp"
+#include "groundscale/odometry/speed_check.hpp"
 #include "groundscale/report/overlay.hpp"
 #include "progress.hpp"
 
@@ -116,6 +117,18 @@ void print_summary(const RunSummary& s, const std::string& output) {
              s.moving, s.still, s.rotating, s.bridged, s.lost);
   fmt::print("length               {:>10.2f} m\n", s.length_m);
   fmt::print("road measured        {:>10}    of {} moving frames\n", s.accepted, s.moving);
+  if (s.speed_log)
+    fmt::print("scale by speed log   {:>10}    frames, where no road was measured\n", s.speed_log->scaled);
+  if (s.slope) {
+    fmt::print("drift against road   {:>+10.1f} %    +- {:.1f} % per 100 m before correction; {}\n",
+               100.0 * s.slope->per_100m, 100.0 * s.slope->sd_per_100m, calibration_verdict(*s.slope));
+  }
+  for (const CameraEvent& event : s.camera_changes) {
+    std::string values;
+    for (const auto& [name, value] : event.values)
+      values += fmt::format(" {} {:.6g} +- {:.2g}", name, value.value, value.sd);
+    fmt::print("camera refined       {:>10}   {}\n", fmt::format("frame {}", event.frame), values);
+  }
   fmt::print("mounting pitch, roll {:>10.2f} {:.2f} deg\n", s.mounting.pitch_rad / kDegree,
              s.mounting.roll_rad / kDegree);
   fmt::print("time a frame         {:>10.1f} ms   median; 95 % below {:.1f} ms\n", s.median_ms, s.p95_ms);
@@ -149,6 +162,13 @@ Result<void> check_truth(const std::string& path, const Sequence& sequence) {
   return Error{ErrorCode::kBadInput, fmt::format("--truth {}: {} rows, but the last frame is {}: it must have at least "
                                                  "{} rows",
                                                  path, truth->size(), needed - 1, needed)};
+}
+
+/// Found out before the work, where the drive's times are known by then.
+Result<void> check_speed_log(const Odometry& odometry, const Sequence& sequence) {
+  const SpeedReference* speed = odometry.speed_reference();
+  const std::optional<TimeSpan> drive = sequence.time_span();
+  return speed != nullptr && drive ? check_overlap(*speed, *drive) : Result<void>();
 }
 
 /// The same table as `groundscale evaluate` prints.
@@ -189,6 +209,7 @@ Result<void> run(const RunArguments& arguments) {
   if (!masks) return masks.error();
   auto odometry = make_odometry(*setup, config->odometry);
   if (!odometry) return odometry.error();
+  if (const auto fits = check_speed_log(**odometry, **sequence); !fits) return fits;
   if (const auto free = check_overlay(arguments, source); !free) return free;
   auto writer = RunWriter::create(arguments.output, arguments.force);
   if (!writer) return writer.error();

@@ -1,7 +1,6 @@
 #include "groundscale/calibration/camera_height.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -142,28 +141,13 @@ double scatter_of(const std::vector<BlockRatio>& blocks, double ratio) {
   return std::sqrt(std::max(0.0, excess / (weights - squares / weights))) / ratio;
 }
 
-/// A unit that a log has instead of m/s.
-struct Unit {
-  const char* name;
-  double per_mps;
-};
-constexpr std::array<Unit, 3> kUnits = {{{"km/h", 3.6}, {"mph", 2.2369}, {"feet a second", 3.2808}}};
-
 /// What the ratio says of the log's unit.
 Result<void> check_unit(double ratio, const StartHeight& start) {
   const double height_m = ratio * start.height_m;
   constexpr double kHighM = 4.0;
   constexpr double kLowM = 0.2;
   if (start.known) {
-    const Unit* nearest = nullptr;
-    for (const Unit& unit : kUnits) {
-      constexpr double kNear = 0.12;
-      if (std::abs(std::log(ratio / unit.per_mps)) > kNear) continue;
-      if (nearest == nullptr ||
-          std::abs(std::log(ratio / unit.per_mps)) < std::abs(std::log(ratio / nearest->per_mps))) {
-        nearest = &unit;
-      }
-    }
+    const SpeedUnit* nearest = likely_unit(ratio);
     if (nearest == nullptr) return {};
     return bad_input(
         fmt::format("the log's speeds are {:.2f} times those of the drive at a camera height of {:g} m: in m/s "

@@ -1,6 +1,7 @@
 #include "groundscale/geometry/speed_log.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -24,6 +25,15 @@ std::string text_of(double value) {
 Error bad(std::string message) { return {ErrorCode::kBadInput, std::move(message)}; }
 
 }  // namespace
+
+const SpeedUnit* likely_unit(double ratio) {
+  static constexpr std::array<SpeedUnit, 3> kUnits = {{{"km/h", 3.6}, {"mph", 2.2369}, {"feet a second", 3.2808}}};
+  constexpr double kNear = 0.12;
+  const auto off = [ratio](const SpeedUnit& unit) { return std::abs(std::log(ratio / unit.per_mps)); };
+  const auto nearest = std::min_element(kUnits.begin(), kUnits.end(),
+                                        [&off](const SpeedUnit& a, const SpeedUnit& b) { return off(a) < off(b); });
+  return off(*nearest) <= kNear ? &*nearest : nullptr;
+}
 
 Result<void> check_sample(const SpeedSample* before, const SpeedSample& sample) {
   if (!std::isfinite(sample.time_s))

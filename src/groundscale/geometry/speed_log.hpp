@@ -21,6 +21,15 @@ inline constexpr double kMaxSpeedMps = 100.0;
 /// @return kBadInput, without the sample's place.
 Result<void> check_sample(const SpeedSample* before, const SpeedSample& sample);
 
+/// A unit that a log may have instead of m/s.
+struct SpeedUnit {
+  const char* name;
+  double per_mps;
+};
+/// The one that a log is likely in whose speeds are `ratio` (> 0) times the true ones: km/h, mph or feet a second, the
+/// nearest within 12 %; null where there is none.
+const SpeedUnit* likely_unit(double ratio);
+
 /// Speeds over time, as a vehicle's bus or a satellite receiver gives them. Between samples speed is linear; gaps are
 /// not interpolated over. A gap is an interval of more than two and a half median ones, though 0.5 s never is one and
 /// more than 5 s always.

@@ -84,5 +84,13 @@ TEST(SpeedLog, RefusesWhatIsNoLogOfSpeeds) {
   EXPECT_THAT(refusal(slow), HasSubstr("10 s apart"));
 }
 
+TEST(LikelyUnit, IsTheNearestOneWithinTwelvePercent) {
+  EXPECT_STREQ(likely_unit(3.65)->name, "km/h");
+  EXPECT_STREQ(likely_unit(3.3)->name, "feet a second");
+  EXPECT_STREQ(likely_unit(2.1)->name, "mph");
+  EXPECT_EQ(likely_unit(1.0), nullptr);
+  EXPECT_EQ(likely_unit(2.7), nullptr);
+}
+
 }  // namespace
 }  // namespace groundscale

@@ -21,6 +21,7 @@ class DecodeAhead final : public Sequence {
         calibration_path_(sequence_->calibration_path()),
         kitti_image_(sequence_->kitti_image()),
         has_times_(sequence_->has_times()),
+        time_span_(sequence_->time_span()),
         warnings_(sequence_->warnings()),
         reader_([this] { read(); }) {}
 
@@ -56,6 +57,7 @@ class DecodeAhead final : public Sequence {
   std::optional<int> kitti_image() const override { return kitti_image_; }
   std::vector<std::string> warnings() const override { return warnings_; }
   bool has_times() const override { return has_times_; }
+  std::optional<TimeSpan> time_span() const override { return time_span_; }
 
  private:
   /// What next() returned, and the warnings after it.
@@ -87,6 +89,7 @@ class DecodeAhead final : public Sequence {
   std::string calibration_path_;
   std::optional<int> kitti_image_;
   bool has_times_;
+  std::optional<TimeSpan> time_span_;
   std::vector<std::string> warnings_;
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -105,6 +105,7 @@ class ImageFolder final : public Sequence {
   std::optional<int> kitti_image() const override { return layout_.kitti_image; }
   std::vector<std::string> warnings() const override { return {}; }
   bool has_times() const override { return !times_s_.empty(); }
+  std::optional<TimeSpan> time_span() const override { return TimeSpan{time_of(first_), time_of(first_ + count_ - 1)}; }
 
  private:
   ImageFolder(Layout layout, std::vector<std::string> names, std::vector<double> times_s)

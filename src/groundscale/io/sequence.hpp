@@ -18,6 +18,11 @@ struct Frame {
   std::string problem;
 };
 
+struct TimeSpan {
+  double first_s = 0.0;
+  double last_s = 0.0;
+};
+
 /// Images of a drive in their order. Opening reads no more than the first image.
 class Sequence {
  public:
@@ -41,6 +46,8 @@ class Sequence {
   /// What was wrong with the source as a whole so far ("declares 300 frames, 287 were decoded"); what was wrong with a
   /// frame comes with the frame.
   virtual std::vector<std::string> warnings() const = 0;
+  /// Times of the first and the last frame that are to come, where they are known before these are read.
+  virtual std::optional<TimeSpan> time_span() const { return std::nullopt; }
   /// False where times are made up (an image folder without times.txt: 10 Hz).
   virtual bool has_times() const = 0;
 };

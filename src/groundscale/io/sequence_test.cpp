@@ -96,6 +96,8 @@ TEST(ImageFolder, StartAndFramesCutAndKeepTheIndices) {
   ASSERT_TRUE(sequence);
   EXPECT_EQ((*sequence)->first_frame(), 2);
   EXPECT_EQ((*sequence)->frame_count(), 3);
+  EXPECT_DOUBLE_EQ((*sequence)->time_span().value().first_s, 0.2);
+  EXPECT_DOUBLE_EQ((*sequence)->time_span().value().last_s, 0.4);
   const std::vector<Frame> frames = all_frames(**sequence);
   ASSERT_EQ(frames.size(), 3U);
   EXPECT_EQ(frames[0].index, 2);
@@ -185,6 +187,7 @@ TEST(DecodeAhead, GivesTheSameFrames) {
   ASSERT_TRUE(plain);
   ASSERT_TRUE(ahead);
   EXPECT_EQ((*ahead)->frame_count(), 30);
+  EXPECT_DOUBLE_EQ((*ahead)->time_span().value().last_s, 2.9);
   for (int k = 0; k < 32; ++k) {
     const std::optional<Frame> expected = (*plain)->next();
     const std::optional<Frame> frame = (*ahead)->next();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -101,6 +102,13 @@ Result<SpeedLog> read_speed_csv(const std::string& path) {
   if (!columns) return bad_input(path + ": is empty; the first line must be 'time_s,speed_mps', then a row a speed");
   Result<SpeedLog> log = SpeedLog::create(std::move(samples));
   return log ? std::move(log) : bad_input(fmt::format("{}: {}", path, log.error().message));
+}
+
+Result<SpeedLog> read_speed_log(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".gpx" ? read_gpx(path) : read_speed_csv(path);
 }
 
 }  // namespace groundscale

@@ -17,4 +17,7 @@ Result<SpeedLog> read_speed_csv(const std::string& path);
 /// @return kBadInput with file, line and value.
 Result<SpeedLog> read_gpx(const std::string& path);
 
+/// A track where the name ends in .gpx, in upper case or lower, else a CSV file.
+Result<SpeedLog> read_speed_log(const std::string& path);
+
 }  // namespace groundscale

@@ -126,6 +126,22 @@ TEST(Gpx, NamesWhatIsWrong) {
               HasSubstr("2 track points: the log has 1 speeds"));
 }
 
+TEST(SpeedFile, TheEndingTellsATrackFromATable) {
+  const internal::TempFolder folder;
+  const auto reads = [&folder](const std::string& name, const std::string& text) {
+    return read_speed_log(folder.file(name, text)).has_value();
+  };
+  std::string rows = "time_s,speed_mps\n";
+  for (int k = 0; k < 6; ++k) rows += fmt::format("{},8\n", k);
+  std::string points;
+  for (int k = 0; k < 7; ++k) points += point(49.0 + 1e-4 * k, 8, k);
+  EXPECT_TRUE(reads("log.csv", rows));
+  EXPECT_TRUE(reads("log", rows));
+  EXPECT_TRUE(reads("track.GPX", document(points)));
+  EXPECT_FALSE(reads("rows.gpx", rows));
+  EXPECT_FALSE(reads("track.csv", document(points)));
+}
+
 TEST(Gpx, EntitiesThatExpandWithoutEndAreRefused) {
   std::string bomb = "<?xml version=\"1.0\"?><!DOCTYPE gpx [<!ENTITY a0 \"aaaaaaaaaa\">";
   for (int k = 1; k < 12; ++k) {

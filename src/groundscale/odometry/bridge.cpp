@@ -11,8 +11,11 @@ Bridge::Bridge(const CameraSetup& setup, const OdometryOptions& options, Pairwis
     : setup_(setup),
       options_(options),
       detector_(pairwise.shared_detector()),
+      speed_(pairwise.shared_speed()),
       pairwise_(std::make_unique<PairwiseOdometry>(std::move(pairwise))) {
-  options_.road.network.file.clear();  // a later stretch shares the network, and doesn't open it again
+  // A later stretch shares them, and doesn't open them again.
+  options_.road.network.file.clear();
+  options_.scale.speed.file.clear();
 }
 
 const FrameResult& Bridge::advance(const TrackedFrame& present) {
@@ -30,6 +33,7 @@ void Bridge::restart(const Mounting& mounting, const std::deque<TrackedFrame>& r
   GS_CHECK(pairwise.has_value(), "what could be created once can be created again");
   pairwise_ = std::make_unique<PairwiseOdometry>(std::move(*pairwise));
   pairwise_->share_detector(detector_);
+  pairwise_->share_speed(speed_);
   frames_.clear();
   constexpr std::size_t kReplayed = 4;
   auto seen = recent.end() - static_cast<std::ptrdiff_t>(std::min(recent.size(), kReplayed));

@@ -51,6 +51,7 @@ class Bridge {
   CameraSetup setup_;
   OdometryOptions options_;
   std::shared_ptr<RoadDetector> detector_;
+  std::shared_ptr<SpeedReference> speed_;
   std::unique_ptr<PairwiseOdometry> pairwise_;
   std::vector<int> frames_;
   double unit_m_ = 1.0;  ///< Metres per unit of the pairwise odometry while it has no scale of its own.

@@ -127,7 +127,7 @@ std::optional<CameraPtr> CameraRefiner::next() {
     const auto changed = with_value(state->parameter, value, *camera);
     if (!changed) return std::nullopt;
     camera = *changed;
-    event.values[state->parameter] = {value, state->step * state->sd_px};
+    event.values[std::string(file_name_of(state->parameter, *camera))] = {value, state->step * state->sd_px};
   }
   camera_ = camera;
   events_.push_back(event);

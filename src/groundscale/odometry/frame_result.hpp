@@ -7,7 +7,6 @@
 
 #include <Eigen/Core>
 
-#include "groundscale/camera/parameters.hpp"
 #include "groundscale/geometry/rigid_transform.hpp"
 
 namespace groundscale {
@@ -31,7 +30,8 @@ struct FrameResult {
   int frame = 0;  ///< In the source.
   double time_s = 0.0;
   FrameState state = FrameState::kLost;
-  std::string reason;  ///< Why there is no accepted measurement; empty where there is one.
+  std::string reason;         ///< Why there is no accepted measurement; empty where there is one.
+  bool by_speed_log = false;  ///< No accepted measurement, and a speed log has moved the scale in its place.
 
   int reference = -1;  ///< Index of the result that the pose is linked to; -1 for the first.
   Eigen::Matrix3d reference_from_cam = Eigen::Matrix3d::Identity();
@@ -77,7 +77,7 @@ struct CameraEvent {
     double value = 0.0;
     double sd = 0.0;
   };
-  std::map<CameraParameter, Value> values;
+  std::map<std::string, Value> values;  ///< By the name in a camera file.
 };
 
 }  // namespace groundscale

@@ -46,6 +46,7 @@ KeyframeOdometry::KeyframeOdometry(const CameraSetup& setup, const OdometryOptio
       rng_(static_cast<std::uint64_t>(options.seed)),
       tracker_(options.tracking),
       road_(setup, options, pairwise),
+      speed_(pairwise.shared_speed()),
       bridge_(setup, options, std::move(pairwise)),
       map_(setup.camera, options.keyframe.map),
       lost_(setup.camera, options.keyframe.resection),
@@ -235,9 +236,16 @@ void KeyframeOdometry::measure_scale(FrameResult& result, const TrackedFrame& pr
   const double unit_m = keeper_.held();
   road_.look(present, trail_, unit_m, clock_);
   clock_.lap("road detection");
-  const ScaleKeeper::Input input = road_.observe(trail_);
+  ScaleKeeper::Input input = road_.observe(trail_);
   clock_.lap("road points");
+  const std::optional<LoggedStep> logged = logged_step();
+  if (logged && speed_->agrees()) input.logged_step = logged;
   const ScaleReport report = keeper_.advance(input);
+  if (logged && report.reason.empty()) {
+    const double ground_m = *report.measured * trail_.latest_step().translation.norm();
+    if (ground_m > 0.0) speed_->compare(*logged, ground_m);
+  }
+  result.by_speed_log = report.by_log;
   hold_by_ground(report);
   road_.accept(report, trail_);
   take_report(result, report);
@@ -247,6 +255,14 @@ void KeyframeOdometry::measure_scale(FrameResult& result, const TrackedFrame& pr
   constexpr double kKeptM = 25.0;
   trail_.forget_behind(kKeptM, unit_m);
   road_.forget_before(trail_.frames().front().index);
+}
+
+/// What the speed log says of the latest step; nothing where that is partly guessed.
+std::optional<LoggedStep> KeyframeOdometry::logged_step() const {
+  const FrameState before = results_.back().state;
+  if (!speed_ || before == FrameState::kBridged || before == FrameState::kLost) return std::nullopt;
+  const auto& frames = trail_.frames();
+  return frames.size() < 2 ? std::nullopt : speed_->step((frames.end() - 2)->time_s, frames.back().time_s);
 }
 
 /// Continuous correction: the ground's metres of the latest step between keyframes for the next adjustment. The map's

@@ -45,6 +45,7 @@ class KeyframeOdometry final : public Odometry {
   const std::vector<TrackPoint>& tracks() const override { return tracker_.points(); }
   const StageClock& clock() const override { return clock_; }
   const RoadDetector* road_detector() const override { return road_.detector(); }
+  const SpeedReference* speed_reference() const override { return speed_.get(); }
   Mounting mounting() const override;
 
  private:
@@ -72,6 +73,7 @@ class KeyframeOdometry final : public Odometry {
   void use_camera(const CameraPtr& camera);
   void correct_map(int frame);
   void measure_scale(FrameResult& result, const TrackedFrame& present);
+  std::optional<LoggedStep> logged_step() const;
   void hold_by_ground(const ScaleReport& report);
   void take_report(FrameResult& result, const ScaleReport& report);
   void refine_camera(const FrameResult& result);
@@ -89,6 +91,7 @@ class KeyframeOdometry final : public Odometry {
   Rng rng_;
   Tracker tracker_;
   RoadFollower road_;
+  std::shared_ptr<SpeedReference> speed_;
   Bridge bridge_;
 
   LocalMap map_;

@@ -14,6 +14,7 @@
 #include "groundscale/odometry/options.hpp"
 #include "groundscale/road/region.hpp"
 #include "groundscale/road/road_detector.hpp"
+#include "groundscale/scale/speed_reference.hpp"
 
 namespace groundscale {
 
@@ -63,13 +64,16 @@ class Odometry {
   virtual const StageClock& clock() const = 0;
   /// The road network; null where the options name none.
   virtual const RoadDetector* road_detector() const = 0;
+  /// The speed log that stands in for the ground; null where the options name none.
+  virtual const SpeedReference* speed_reference() const = 0;
   /// Mounting as found so far.
   virtual Mounting mounting() const = 0;
 };
 
 /// The odometry that options.mode names.
 /// @param setup  Its height_m must be set. Pitch and roll that it leaves out are found in the first seconds.
-/// @return kBadInput where no road is in view with the camera so mounted, or options are out of range.
+/// @return kBadInput where no road is in view with the camera so mounted, options are out of range, or a file that they
+///         name can't be used.
 Result<std::unique_ptr<Odometry>> make_odometry(const CameraSetup& setup, const OdometryOptions& options);
 
 }  // namespace groundscale

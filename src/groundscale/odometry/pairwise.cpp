@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "groundscale/geometry/so3.hpp"
+#include "groundscale/io/speed_file.hpp"
 #include "groundscale/odometry/pose_chain.hpp"
 
 namespace groundscale {
@@ -70,6 +71,11 @@ Result<PairwiseOdometry> PairwiseOdometry::create(const CameraSetup& setup, cons
     auto detector = RoadDetector::open(options.road.network, setup.camera);
     if (!detector) return detector.error();
     odometry.detector_ = std::make_shared<RoadDetector>(std::move(*detector));
+  }
+  if (!options.scale.speed.file.empty()) {
+    auto log = read_speed_log(options.scale.speed.file);
+    if (!log) return Error{log.error().code, "scale.speed: " + log.error().message};
+    odometry.speed_ = std::make_shared<SpeedReference>(std::move(*log), options.scale.speed);
   }
   return odometry;
 }
@@ -320,28 +326,23 @@ const FrameResult& PairwiseOdometry::move(FrameResult result, Pair pair, const F
   auto measured = measure_road(pair, lead + expected_step, result, frame);
   if (measured) {
     result.raw_sd = enlarged_log_sd(measured->observation);
-    measured->observation.lead_m = scaled_ ? lead : 0.0;
     measured->observation.step_time_s = dt;
-    const double distance = std::exp(measured->observation.log_distance);
     result.reason = measured->refusal;
-    if (measured->refusal.empty()) {
-      refused_in_a_row_ = 0;
-      mounting_.accept(*result.pitch_rad, *result.roll_rad,
-                       mounting_weight(details_.path.curvature_per_m, result.raw_sd));
-      if (!scaled_) {
-        take_scale(distance, lead + expected_step);
-        measured->observation.lead_m = lead_of(pair);
-        filter_->start(measured->observation);
-      } else {
-        filter_->update(measured->observation);
-      }
-      expected_step = filter_->state().speed_mps * dt;
-    }
-    // Over the online distance of the pair, so that the raw step is the same share of the online step.
-    result.raw_over_online = distance / (lead_of(pair) + expected_step);
+  }
+  const auto logged = speed_ ? speed_->step(results_.back().time_s, frame.time_s) : std::nullopt;
+  if (measured && measured->refusal.empty()) {
+    expected_step = take_measured(pair, measured->observation, expected_step, result);
+    if (logged) speed_->compare(*logged, expected_step);
+  } else {
+    expected_step = take_logged(logged, dt, expected_step, result);
+  }
+  // Over the online distance of the pair, so that the raw step is the same share of the online step.
+  if (measured) {
+    result.raw_over_online = std::exp(measured->observation.log_distance) / (lead_of(pair) + expected_step);
   }
   if (!result.reason.empty()) {
-    if (++refused_in_a_row_ % options_.ground.reopen_after == 0) filter_->reopen();
+    // What a speed log keeps right is in no doubt.
+    if (++refused_in_a_row_ % options_.ground.reopen_after == 0 && !result.by_speed_log) filter_->reopen();
   }
   result.scaled = scaled_;
   bridged_in_a_row_ = 0;
@@ -355,6 +356,61 @@ const FrameResult& PairwiseOdometry::move(FrameResult result, Pair pair, const F
   remember_view(frame, static_cast<int>(results_.size()) - 1);
   clock_.lap("filter and poses");
   return results_.back();
+}
+
+/// An accepted measurement goes into the filter. @return the step by it.
+double PairwiseOdometry::take_measured(const Pair& pair, GroundObservation observation, double expected_step,
+                                       FrameResult& result) {
+  refused_in_a_row_ = 0;
+  mounting_.accept(*result.pitch_rad, *result.roll_rad, mounting_weight(details_.path.curvature_per_m, result.raw_sd));
+  const double distance = std::exp(observation.log_distance);
+  const double expected = lead_of(pair) + expected_step;
+  if (!scaled_) take_scale(distance, expected);
+  observation.lead_m = lead_of(pair);
+  // A log that has begun alone and turns out to be quite wrong is as if it had never been.
+  const bool anew = !ground_seen_ && std::abs(std::log(distance / expected)) > kGrossLogRatio;
+  if (!filter_->started() || anew) {
+    filter_->start(observation);
+  } else {
+    filter_->update(observation);
+  }
+  ground_seen_ = true;
+  return filter_->state().speed_mps * observation.step_time_s;
+}
+
+/// Where no measurement was accepted: what a speed log says goes into the filter. @return the step, changed or not.
+double PairwiseOdometry::take_logged(const std::optional<LoggedStep>& logged, double dt_s, double expected_step,
+                                     FrameResult& result) {
+  if (!logged || !speed_->agrees() || !(expected_step > 0.0)) return expected_step;
+  if (!scaled_) {
+    if (!start_by_log(*logged, dt_s, expected_step)) return expected_step;
+  } else if (is_gross(std::log(logged->distance_m / expected_step), filter_->state().log_speed_sd, *logged)) {
+    return expected_step;
+  }
+  filter_->update_speed(logged->distance_m / dt_s, logged->log_sd);
+  result.by_speed_log = true;
+  return filter_->state().speed_mps * dt_s;
+}
+
+/// The first scale of a drive, where the ground isn't seen: the ground has 10 m to be first.
+bool PairwiseOdometry::start_by_log(const LoggedStep& logged, double dt_s, double expected_step) {
+  constexpr double kWaitM = 10.0;
+  logged_m_ += logged.distance_m;
+  logged_units_ += expected_step;
+  if (logged_m_ < kWaitM) return false;
+  const double factor = logged_m_ / logged_units_;
+  take_scale(logged_m_, logged_units_);
+  // Of pitch and roll nothing is known but the mounting.
+  const PlaneAngles angles = plane_angles(mounting_.mean_normal());
+  GroundObservation observation;
+  observation.pitch_rad = angles.pitch_rad;
+  observation.roll_rad = angles.roll_rad;
+  observation.log_distance = std::log(factor * expected_step);
+  constexpr double kAngleSd = 0.02;
+  observation.covariance.diagonal() << kAngleSd * kAngleSd, kAngleSd * kAngleSd, logged.log_sd * logged.log_sd;
+  observation.step_time_s = dt_s;
+  filter_->start(observation);
+  return true;
 }
 
 void PairwiseOdometry::take_scale(double distance_m, double provisional_distance) {

@@ -42,7 +42,7 @@ class PairwiseOdometry final : public Odometry {
  public:
   /// @param setup  Its height_m must be set. Pitch and roll that it leaves out are found in the first seconds.
   /// @return kBadInput where no road is in view with the camera so mounted, options are out of range, or the
-  ///         road network can't be used.
+  ///         road network or the speed log can't be used.
   static Result<PairwiseOdometry> create(const CameraSetup& setup, const OdometryOptions& options);
 
   /// @param road_mask  It counts where the frame is the earlier one of a pair, in whose image the road region lies.
@@ -67,6 +67,10 @@ class PairwiseOdometry final : public Odometry {
   /// The road network shared with another odometry, which gives it frames by turns.
   std::shared_ptr<RoadDetector> shared_detector() const { return detector_; }
   void share_detector(std::shared_ptr<RoadDetector> detector) { detector_ = std::move(detector); }
+  const SpeedReference* speed_reference() const override { return speed_.get(); }
+  /// The speed log shared likewise, with what is known of how it agrees with the ground.
+  std::shared_ptr<SpeedReference> shared_speed() const { return speed_; }
+  void share_speed(std::shared_ptr<SpeedReference> speed) { speed_ = std::move(speed); }
   const MountingEstimate& mounting_estimate() const { return mounting_; }
 
  private:
@@ -92,6 +96,9 @@ class PairwiseOdometry final : public Odometry {
   bool needs_search() const;
   std::string judge(const Pair& pair, const PlaneMeasurement& plane, const GroundObservation& observation,
                     double expected_distance_m, double step_time_s) const;
+  double take_measured(const Pair& pair, GroundObservation observation, double expected_step, FrameResult& result);
+  double take_logged(const std::optional<LoggedStep>& logged, double dt_s, double expected_step, FrameResult& result);
+  bool start_by_log(const LoggedStep& logged, double dt_s, double expected_step);
   void take_scale(double distance_m, double provisional_distance);
   GroundStep step_of(const Pair& pair, double dt_s) const;
   double lead_of(const Pair& pair) const;
@@ -114,6 +121,7 @@ class PairwiseOdometry final : public Odometry {
   TrackedPoints tracked_;  ///< Of the present frame.
   RoadMatcher road_matcher_;
   std::shared_ptr<RoadDetector> detector_;
+  std::shared_ptr<SpeedReference> speed_;
   MountingEstimate mounting_;
   std::unique_ptr<GroundFilter> filter_;
   Views views_;
@@ -127,6 +135,9 @@ class PairwiseOdometry final : public Odometry {
   FrameDetails details_;
   StageClock clock_;
   bool scaled_ = false;
+  bool ground_seen_ = false;   ///< Whether a measurement of the ground has been accepted.
+  double logged_m_ = 0.0;      ///< Way before the scale is known, by the speed log,
+  double logged_units_ = 0.0;  ///< and the same in provisional units.
   int refused_in_a_row_ = 0;
   int bridged_in_a_row_ = 0;
 };

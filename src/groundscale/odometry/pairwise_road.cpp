@@ -137,7 +137,7 @@ std::string PairwiseOdometry::judge(const Pair& pair, const PlaneMeasurement& pl
   context.mounting_normal = mounting_.mounting().normal_in_cam();
   context.mounting_settled = mounting_.settled();
   context.mean_normal = mounting_.mean_normal();
-  context.filter_started = filter_->started();
+  context.filter_started = filter_->started() && ground_seen_;
   context.expected_distance_m = expected_distance_m;
   context.expected_log_sd = filter_->started() ? filter_->state().log_speed_sd : 0.0;
   context.step_time_s = step_time_s;

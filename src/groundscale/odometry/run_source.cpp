@@ -60,8 +60,8 @@ Result<void> RunConfig::validate() const {
 
 RunConfig RunConfig::absolute() const {
   RunConfig whole = *this;
-  for (std::string* path :
-       {&whole.run.source, &whole.run.camera, &whole.run.road_masks, &whole.odometry.road.network.file}) {
+  for (std::string* path : {&whole.run.source, &whole.run.camera, &whole.run.road_masks,
+                            &whole.odometry.road.network.file, &whole.odometry.scale.speed.file}) {
     *path = absolute_path(*path);
   }
   return whole;

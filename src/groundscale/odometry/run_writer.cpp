@@ -14,6 +14,7 @@
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/io/text_internal.hpp"
 #include "groundscale/io/trajectory_file.hpp"
+#include "groundscale/odometry/speed_check.hpp"
 
 namespace groundscale {
 namespace {
@@ -81,6 +82,26 @@ std::string summary_json(const RunSummary& s) {
          {"drift_before", event.drift_before},
          {"drift_after", event.drift_after ? nlohmann::json(*event.drift_after) : nlohmann::json()}});
   }
+  json["camera_changes"] = nlohmann::ordered_json::array();
+  for (const CameraEvent& event : s.camera_changes) {
+    nlohmann::ordered_json change = {{"frame", event.frame}};
+    for (const auto& [name, value] : event.values) change[name] = {{"value", value.value}, {"sd", value.sd}};
+    json["camera_changes"].push_back(change);
+  }
+  json["scale_slope"] = nullptr;
+  if (s.slope) {
+    json["scale_slope"] = {{"percent_per_100m", 100.0 * s.slope->per_100m},
+                           {"sd_percent_per_100m", 100.0 * s.slope->sd_per_100m},
+                           {"length_m", s.slope->length_m},
+                           {"measurements", s.slope->measurements},
+                           {"verdict", calibration_verdict(*s.slope)}};
+  }
+  if (s.speed_log) {
+    const std::optional<double>& ratio = s.speed_log->ratio;
+    json["speed_log"] = {{"file", s.speed_log->file},
+                         {"frames_scaled", s.speed_log->scaled},
+                         {"ratio_to_ground", ratio ? nlohmann::json(*ratio) : nlohmann::json()}};
+  }
   json["warnings"] = s.warnings;
   json["time"] = {{"wall_s", s.wall_s}, {"median_ms_a_frame", s.median_ms}, {"p95_ms_a_frame", s.p95_ms}};
   for (const auto& [stage, ms] : s.stage_ms) json["time"]["mean_ms_a_frame"][stage] = ms;
@@ -129,7 +150,23 @@ MatchingFigures matching_figures(const std::vector<FrameResult>& results) {
   return figures;
 }
 
+void add_speed_figures(const SpeedReference& speed, const std::vector<FrameResult>& results, RunSummary& summary) {
+  const auto scaled =
+      std::count_if(results.begin(), results.end(), [](const FrameResult& r) { return r.by_speed_log; });
+  summary.speed_log = {speed.options().file, static_cast<int>(scaled), speed.ratio()};
+  for (std::string& warning : speed_warnings(speed, results)) summary.warnings.push_back(std::move(warning));
+}
+
 }  // namespace
+
+std::string calibration_verdict(const ScaleSlope& slope) {
+  constexpr double kMostSlope = 0.03;  // per 100 m
+  constexpr double kCertain = 3.0;     // sd
+  const double size = std::abs(slope.per_100m);
+  if (size <= kMostSlope) return "no sign of a wrong calibration";
+  if (size < kCertain * slope.sd_per_100m) return "perhaps a calibration that isn't right; too uncertain to tell";
+  return "the calibration looks wrong: groundscale calibrate finds a better one";
+}
 
 void add_figures(const Odometry& odometry, RunSummary& summary) {
   summary.frames = static_cast<int>(odometry.results().size());
@@ -152,14 +189,17 @@ void add_figures(const Odometry& odometry, RunSummary& summary) {
         ++summary.lost;
         break;
     }
-    if (result.accepted()) {
-      ++summary.accepted;
-      if (!summary.first_scaled_frame) summary.first_scaled_frame = result.frame;
+    if (result.accepted()) ++summary.accepted;
+    if (!summary.first_scaled_frame && (result.accepted() || result.by_speed_log)) {
+      summary.first_scaled_frame = result.frame;
     }
     if (odometry.scaled()) summary.length_m += result.step_m;
   }
   summary.corrections = odometry.corrections();
+  summary.camera_changes = odometry.camera_changes();
+  if (auto slope = scale_slope(odometry.results(), summary.corrections)) summary.slope = std::move(*slope);
   summary.matching = matching_figures(odometry.results());
+  if (const SpeedReference* speed = odometry.speed_reference()) add_speed_figures(*speed, odometry.results(), summary);
   if (odometry.road_detector() == nullptr) return;
   summary.network_runs = odometry.road_detector()->runs();
   summary.network_ms = 1e3 * odometry.road_detector()->network_s() / std::max(1, summary.network_runs);

@@ -9,6 +9,7 @@
 #include "groundscale/core/result.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/odometry/odometry.hpp"
+#include "groundscale/odometry/scale_slope.hpp"
 
 namespace groundscale {
 
@@ -43,6 +44,15 @@ struct RunSummary {
   double length_m = 0.0;
   std::optional<int> first_scaled_frame;
   std::vector<ScaleEvent> corrections;
+  std::vector<CameraEvent> camera_changes;
+  std::optional<ScaleSlope> slope;  ///< Of the map's scale against the ground's; empty where it says nothing.
+  /// With a speed log.
+  struct SpeedLogFigures {
+    std::string file;
+    int scaled = 0;               ///< Frames whose scale it gave in place of the ground.
+    std::optional<double> ratio;  ///< Its speeds over those by the ground, where both are there.
+  };
+  std::optional<SpeedLogFigures> speed_log;
 
   double wall_s = 0.0;
   std::vector<std::pair<std::string, double>> stage_ms;  ///< Mean a frame, in the order of the work.
@@ -51,7 +61,11 @@ struct RunSummary {
   double network_ms = 0.0;                               ///< and the mean of one.
 };
 
-/// Counts states, accepted measurements and length.
+/// What the drift of the map's scale says of the calibration, in words: with the one given it should be within 3 % per
+/// 100 m, and what is beyond that by less than three standard deviations isn't certain.
+std::string calibration_verdict(const ScaleSlope& slope);
+
+/// Counts states, measurements and length, and warns of what is wrong with a speed log.
 void add_figures(const Odometry& odometry, RunSummary& summary);
 
 /// The files of a run's folder (docs/formats.md). Online rows are written as the drive goes, the others at its end,

@@ -79,6 +79,9 @@ class GroundFilter {
   /// One frame on in which the vehicle stood.
   virtual void stand(double dt_s) = 0;
   virtual void update(const GroundObservation& observation) = 0;
+  /// The speed in the present step alone, > 0, from elsewhere than the ground. Before `start` nothing happens.
+  /// @param log_sd  Sd of its log, > 0.
+  virtual void update_speed(double speed_mps, double log_sd) = 0;
   /// Trusts itself less, after it has refused too much.
   virtual void reopen() = 0;
   virtual bool started() const = 0;

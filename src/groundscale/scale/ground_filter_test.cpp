@@ -140,6 +140,24 @@ TEST_P(AnyFilter, TakesTheLeadOffAPairsDistance) {
   EXPECT_NEAR(filter_->state().speed_mps, 8.0, 0.008);
 }
 
+TEST_P(AnyFilter, TakesASpeedFromElsewhere) {
+  filter_->update_speed(8.0, 0.05);
+  EXPECT_FALSE(filter_->started());
+  filter_->start(observed(8.0, 0.02, -0.01));
+  // Sd before and after, and the mean between both by their weights.
+  const GroundState before = filter_->state();
+  filter_->update_speed(8.2, before.log_speed_sd);
+  const GroundState after = filter_->state();
+  EXPECT_NEAR(after.log_speed_sd, before.log_speed_sd / std::sqrt(2.0), 0.02 * before.log_speed_sd);
+  EXPECT_NEAR(after.speed_mps, 0.5 * (before.speed_mps + 8.2), 0.005);
+  EXPECT_DOUBLE_EQ(after.pitch_rad, before.pitch_rad);
+  for (int k = 0; k < 100; ++k) {
+    filter_->predict({});
+    filter_->update_speed(10.0, 0.05);
+  }
+  EXPECT_NEAR(filter_->state().speed_mps, 10.0, 0.01);
+}
+
 TEST_P(AnyFilter, SmoothedStatesAreNearerToTheTruthThanOnlineOnes) {
   Rng rng(11);
   std::vector<double> online, truth;

@@ -89,6 +89,15 @@ class ModelFilter final : public GroundFilter {
     state_ = groundscale::update<5, 3>(state_, by_state, measured - expected, noise);
   }
 
+  void update_speed(double speed_mps, double log_sd) override {
+    if (!started_) return;
+    Eigen::Matrix<double, 1, 5> by_state = Eigen::Matrix<double, 1, 5>::Zero();
+    by_state(kLogSpeed) = 1.0;
+    const Eigen::Matrix<double, 1, 1> residual(std::log(speed_mps) - state_.mean(kLogSpeed));
+    const Eigen::Matrix<double, 1, 1> noise(log_sd * log_sd);
+    state_ = groundscale::update<5, 1>(state_, by_state, residual, noise);
+  }
+
   void reopen() override {
     if (!started_) return;
     constexpr double kOpenSd = 0.5;

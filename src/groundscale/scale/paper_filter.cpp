@@ -88,6 +88,17 @@ class PaperFilter final : public GroundFilter {
     mean_normal_ = (mean_normal_ + kMeanGain * (normal - mean_normal_)).normalized();
   }
 
+  void update_speed(double speed_mps, double log_sd) override {
+    if (!started_) return;
+    const double height = camera_height_m_ / (speed_mps * step_time_s_);
+    Eigen::Matrix<double, 1, 4> by_state = Eigen::Matrix<double, 1, 4>::Zero();
+    by_state(3) = 1.0;
+    const Eigen::Matrix<double, 1, 1> residual(height - state_.mean(3));
+    const Eigen::Matrix<double, 1, 1> noise(std::pow(log_sd * height, 2));
+    state_ = groundscale::update<4, 1>(state_, by_state, residual, noise);
+    keep_valid(state_);
+  }
+
   void reopen() override {
     if (!started_) return;
     constexpr double kOpenSd = 0.5;

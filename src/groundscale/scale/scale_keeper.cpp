@@ -78,6 +78,7 @@ void visit_fields(ScaleKeeperOptions& options, FieldVisitor& visitor) {
                 options.correlation_m);
   visitor.field({.key = "tie_m", .unit = "m", .help = "way behind that is tied to the plane", .min = 0, .max = 100},
                 options.tie_m);
+  visit_fields(options.speed, visitor);
   visitor.group("ahead", options.ahead);
   visitor.group("path", options.path);
   visitor.group("plane", options.plane);
@@ -102,7 +103,8 @@ ScaleKeeper::Motion ScaleKeeper::motion_of(const Input& input) const {
   Motion motion;
   if (poses.size() >= 2) {
     const RigidTransform& before = poses[poses.size() - 2];
-    motion.distance_m = held() * (poses.back().translation - before.translation).norm();
+    motion.units = (poses.back().translation - before.translation).norm();
+    motion.distance_m = held() * motion.units;
     motion.turn_rad = rotation_angle(poses.back().rotation.transpose() * before.rotation);
   }
   const double dt_s = last_time_s_ ? input.time_s - *last_time_s_ : 0.0;
@@ -130,6 +132,8 @@ ScaleReport ScaleKeeper::advance(const Input& input) {
     const double share = std::clamp(since_measured_m_ / std::max(1e-6, options_.correlation_m), 1e-3, 1.0);
     filter_.update(std::log(*report.measured), report.measured_sd / std::sqrt(share), report.turned_rad);
     since_measured_m_ = 0.0;
+  } else {
+    report.by_log = take_logged(input, motion);
   }
   // A new map's scale is measured over its first metres, and then held.
   if (driven_m_ <= options_.settle_m) held_ = std::exp(filter_.log_scale());
@@ -217,6 +221,16 @@ void ScaleKeeper::judge(const Input& input, const Motion& motion, ScaleReport& r
   } else if (!(report.measured_sd <= options_.max_sd)) {
     report.reason = fmt::format("sd of {:.1f} % is too large", 100.0 * report.measured_sd);
   }
+}
+
+/// What a log says in place of the ground. A scale that is held is none of its business.
+bool ScaleKeeper::take_logged(const Input& input, const Motion& motion) {
+  if (!input.logged_step || !(motion.units > 0.0)) return false;
+  if (!follows_ground() && driven_m_ > options_.settle_m) return false;
+  const double log_scale = std::log(input.logged_step->distance_m / motion.units);
+  if (is_gross(log_scale - filter_.log_scale(), filter_.sd(), *input.logged_step)) return false;
+  filter_.update(log_scale, input.logged_step->log_sd);
+  return true;
 }
 
 /// Whether this frame's measurement, which counts, completes a row of them that speak for a correction. Those that are

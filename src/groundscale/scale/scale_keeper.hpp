@@ -12,6 +12,7 @@
 #include "groundscale/plane/point_plane.hpp"
 #include "groundscale/road/trail.hpp"
 #include "groundscale/scale/map_scale_filter.hpp"
+#include "groundscale/scale/speed_reference.hpp"
 
 namespace groundscale {
 
@@ -43,6 +44,7 @@ struct ScaleKeeperOptions {
   PathWeightOptions path;        ///< Which road points count.
   PointPlaneOptions plane;       ///< How the plane is laid through them.
   MapScaleFilterOptions filter;  ///< How the scale moves.
+  SpeedReferenceOptions speed;   ///< The log that stands in for the ground; the odometry reads it, the keeper doesn't.
 };
 
 template <>
@@ -51,7 +53,8 @@ void visit_fields(ScaleKeeperOptions& options, FieldVisitor& visitor);
 
 /// What a frame's ground says about the scale of a map.
 struct ScaleReport {
-  std::string reason;  ///< Why the measurement is refused; empty where it counts.
+  std::string reason;   ///< Why the measurement is refused; empty where it counts.
+  bool by_log = false;  ///< Refused, and the step that a speed log gives was observed in its place.
   std::optional<double>
       measured;              ///< Metres per map unit by this frame's plane; set where there is one, refused or not.
   double measured_sd = 0.0;  ///< Sd of its log, with what roads and turns add to the formal one.
@@ -73,8 +76,10 @@ struct ScaleReport {
 /// The measurement's variance is step_model^2 + (formal_factor sd)^2 + (turn_model max(0, rate / 10 deg/s - 1))^2; over
 /// a step d shorter than correlation_m it counts with d / correlation_m of that weight. `none`, `triggered`: held is
 /// the filter's scale over a map's first settle_m, and then stays. `filtered`,
-/// `continuous`: held is the filter's scale. Deterministic. O(road points + poses) a frame; memory grows by 150 bytes a
-/// frame.
+/// `continuous`: held is the filter's scale. Where the ground says nothing, or is refused, a speed log may: over a step
+///   measured = logged distance in metres / step in map units,
+/// observed with the sd that comes with it unless is_gross; it moves the filter alone, so a scale that is held stays,
+/// and never speaks for a correction. Deterministic. O(road points + poses) a frame; memory grows by 150 bytes a frame.
 class ScaleKeeper {
  public:
   /// @param camera_height_m  Over the road, perpendicular to it; > 0.
@@ -102,6 +107,8 @@ class ScaleKeeper {
     Eigen::Vector3d expected_normal = Eigen::Vector3d::UnitY();
     /// How fast the camera turns, left or right; empty: by the last two poses and times.
     std::optional<double> turn_rate_dps;
+    /// What a speed log says of the way between the last two poses; empty where there is none, or it isn't trusted.
+    std::optional<LoggedStep> logged_step = std::nullopt;
   };
   /// Measures, and updates what is held. A frame that can't be measured has a reason in its report, and the scale goes
   /// on.
@@ -129,13 +136,14 @@ class ScaleKeeper {
  private:
   /// How the camera has moved since the frame before.
   struct Motion {
-    double distance_m = 0.0, turn_rad = 0.0;
+    double units = 0.0, distance_m = 0.0, turn_rad = 0.0;
     double speed_mps = 0.0, turn_rate_dps = 0.0;
   };
   Motion motion_of(const Input& input) const;
   PlanePoints points_on_path(const Input& input, std::vector<int>& which) const;
   void measure(const Input& input, const Motion& motion, ScaleReport& report) const;
   void judge(const Input& input, const Motion& motion, ScaleReport& report) const;
+  bool take_logged(const Input& input, const Motion& motion);
   void decide(const Motion& motion, ScaleReport& report);
 
   double camera_height_m_;

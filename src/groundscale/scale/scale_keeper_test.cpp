@@ -387,6 +387,56 @@ TEST(ScaleKeeper, DistortedTurnsTeachTheDrift) {
   EXPECT_LT(worst, 0.05);
 }
 
+/// A drifting map without road points from 30 to 130 m, with a log that says `factor` times the true way. @return the
+/// held scale over the true one at 130 m.
+double held_over_true(ScaleCorrection correction, std::optional<double> factor) {
+  const ForeignDrive drive = drifting();
+  const ForeignMap map(drive);
+  ScaleKeeper keeper = keeper_of(correction);
+  int k = 0;
+  for (; k * drive.step_m < 130.0; ++k) {
+    ScaleKeeper::Input input = map.input(k);
+    if (k * drive.step_m > 30.0) input.road_points_in_world.clear();
+    if (factor) input.logged_step = LoggedStep{*factor * drive.step_m, 0.08};
+    const ScaleReport report = keeper.advance(input);
+    EXPECT_FALSE(report.by_log && report.reason.empty());
+  }
+  return keeper.held() / map.metres_per_unit(k - 1);
+}
+
+TEST(ScaleKeeper, ASpeedLogHoldsTheScaleWhereNoGroundIsSeen) {
+  for (const ScaleCorrection correction : {ScaleCorrection::kFiltered, ScaleCorrection::kContinuous}) {
+    EXPECT_LT(held_over_true(correction, std::nullopt), 0.9);  // 15 % of drift
+    // The gain is the walk of a step over the log's sd, 0.002 sqrt(0.8) / 0.08 = 0.022: the filter lags by 45 steps,
+    // and the map drifts by 0.11 % in each.
+    EXPECT_NEAR(held_over_true(correction, 1.0), 0.95, 0.01);
+  }
+}
+
+TEST(ScaleKeeper, WhereTheGroundCountsALogChangesNothing) {
+  const ForeignMap map(drifting());
+  ScaleKeeper with = keeper_of(ScaleCorrection::kFiltered);
+  ScaleKeeper without = keeper_of(ScaleCorrection::kFiltered);
+  for (int k = 0; k < map.frames(); ++k) {
+    ScaleKeeper::Input input = map.input(k);
+    const ScaleReport by_ground = without.advance(input);
+    if (by_ground.reason.empty()) input.logged_step = LoggedStep{0.85, 0.01};
+    const ScaleReport report = with.advance(input);
+    EXPECT_FALSE(report.by_log);
+    EXPECT_EQ(report.held, by_ground.held);
+  }
+}
+
+TEST(ScaleKeeper, ALogThatIsGrosslyOffIsRefused) {
+  EXPECT_DOUBLE_EQ(held_over_true(ScaleCorrection::kFiltered, 3.6), held_over_true(ScaleCorrection::kFiltered, {}));
+}
+
+TEST(ScaleKeeper, AHeldScaleIsNotMovedByALog) {
+  for (const ScaleCorrection correction : {ScaleCorrection::kNone, ScaleCorrection::kTriggered}) {
+    EXPECT_DOUBLE_EQ(held_over_true(correction, 1.0), held_over_true(correction, {}));
+  }
+}
+
 TEST(ScalingAbout, KeepsTheCentreAndScalesDistances) {
   const Eigen::Vector3d centre(1.0, 2.0, -3.0);
   const Similarity scaling = scaling_about(centre, 1.25);
