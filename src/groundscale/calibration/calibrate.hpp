@@ -23,7 +23,7 @@ struct CalibrateOptions {
   double settled_px = 0.5;        ///< That is: no parameter moves pixels far out by more than this.
   double min_turn_deg = 30.0;     ///< Of turning over all drives; with less nothing is observable.
   double max_change_px = 40.0;    ///< Parameters that move pixels far out by more are at their bound.
-  double radial_model_px = 2.4;   ///< Sd that the tracker's own errors add to the adjustment's radial coefficient,
+  double radial_model_px = 3.5;   ///< Sd that the tracker's own errors add to the adjustment's radial coefficient,
   double row_model_px = 0.7;      ///< to its row,
   double column_model_px = 10.0;  ///< to its column,
   double focal_model = 0.015;     ///< and to its focal length, as a share of it.

@@ -25,7 +25,7 @@ struct CameraRefineOptions {
   double min_turn_deg = 30.0;     ///< Of turning in it; with less it says nothing.
   double radial_prior_px = 6.0;   ///< Sd of the radial coefficient given, by what it moves pixels far out,
   double row_prior_px = 4.0;      ///< and of the row, where the camera file states none.
-  double radial_model_px = 2.4;   ///< Sd that the tracker's own errors add to the adjustment's radial coefficient,
+  double radial_model_px = 3.5;   ///< Sd that the tracker's own errors add to the adjustment's radial coefficient,
   double row_model_px = 0.7;      ///< and to its row;
   double row_turn_px = 10.0;      ///< that over the root of the window's turning in degrees comes to it.
   double slope_model = 0.02;      ///< Sd of a window's slope per 100 m that roads add.
