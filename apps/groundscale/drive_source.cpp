@@ -93,6 +93,12 @@ Result<CameraChoice> choose_camera(const SourceArguments& arguments, const RunSo
             : read_camera_file(path, sequence.width(), sequence.height());
   if (!setup) return setup.error();
   choice.setup = std::move(*setup);
+  if (const auto chosen = choose_height(arguments, source, sequence, choice); !chosen) return chosen.error();
+  return choice;
+}
+
+Result<void> choose_height(const SourceArguments& arguments, const RunSource& source, const Sequence& sequence,
+                           CameraChoice& choice) {
   std::optional<double>& height_m = choice.setup.height_m;
   if (arguments.camera_height_m) {
     height_m = arguments.camera_height_m;
@@ -101,16 +107,16 @@ Result<CameraChoice> choose_camera(const SourceArguments& arguments, const RunSo
     height_m = source.camera_height_m;
     choice.height_from = "run.camera_height_m";
   } else if (height_m) {
-    choice.height_from = path;
+    choice.height_from = choice.camera_from;
   } else if (sequence.kitti_image()) {
     height_m = kKittiHeightM;
     choice.height_from = "KITTI's documented height";
   }
-  if (choice.height_from != path) choice.setup.height_sd_m.reset();
+  if (choice.height_from != choice.camera_from) choice.setup.height_sd_m.reset();
   if (height_m && (!std::isfinite(*height_m) || *height_m <= 0.0)) {
     return Error{ErrorCode::kBadInput, fmt::format("the camera height is {} m, it must be above 0", *height_m)};
   }
-  return choice;
+  return {};
 }
 
 Result<std::optional<RoadMasks>> open_masks(const std::string& folder, const Sequence& sequence) {

@@ -48,6 +48,10 @@ struct CameraChoice {
 /// configuration, else of the camera file, else that of KITTI's layout.
 Result<CameraChoice> choose_camera(const SourceArguments& arguments, const RunSource& source, const Sequence& sequence);
 
+/// The height of a camera that is chosen already.
+Result<void> choose_height(const SourceArguments& arguments, const RunSource& source, const Sequence& sequence,
+                           CameraChoice& choice);
+
 /// Nothing without a folder.
 Result<std::optional<RoadMasks>> open_masks(const std::string& folder, const Sequence& sequence);
 

@@ -80,5 +80,15 @@ TEST(CameraParameters, AreNamedAsInTheFile) {
   EXPECT_EQ(file_name_of(CameraParameter::kRow, *all[1]), "cy");
 }
 
+TEST(CameraParameters, TheirStandardDeviationsAreNamedAfterThem) {
+  for (const CameraPtr& camera : cameras()) {
+    for (const CameraParameter parameter : kAll) {
+      const std::string name(file_name_of(parameter, *camera));
+      const std::string expected = name == "polynomial[2]" ? "polynomial_2_sd" : name + "_sd";
+      EXPECT_EQ(sd_file_name_of(parameter, camera->model()), expected);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace groundscale

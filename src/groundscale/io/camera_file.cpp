@@ -270,7 +270,7 @@ std::string vehicle_mask_path(const std::string& camera_file) {
   return (file.parent_path() / (file.stem().string() + "_vehicle_mask.png")).string();
 }
 
-Result<void> write_camera_file(const std::string& path, const CameraSetup& setup, const std::string& comment) {
+std::string camera_file_text(const CameraSetup& setup, const std::string& mask_name, const std::string& comment) {
   GS_CHECK(setup.camera != nullptr, "a camera");
   const Camera& camera = *setup.camera;
   std::string text;
@@ -289,12 +289,18 @@ Result<void> write_camera_file(const std::string& path, const CameraSetup& setup
   for (const auto& [key, angle] : angles) {
     if (*angle) text += fmt::format("{}: {}\n", key, degrees_that_read_back(**angle));
   }
+  if (!mask_name.empty()) text += fmt::format("vehicle_mask: {{image: \"{}\"}}\n", mask_name);
+  return text;
+}
+
+Result<void> write_camera_file(const std::string& path, const CameraSetup& setup, const std::string& comment) {
+  std::string mask_name;
   if (!setup.vehicle_mask.empty()) {
     const std::string mask = vehicle_mask_path(path);
     if (Result<void> written = write_image(mask, setup.vehicle_mask); !written) return written;
-    text += fmt::format("vehicle_mask: {{image: \"{}\"}}\n", std::filesystem::path(mask).filename().string());
+    mask_name = std::filesystem::path(mask).filename().string();
   }
-  return write_text(path, text);
+  return write_text(path, camera_file_text(setup, mask_name, comment));
 }
 
 }  // namespace groundscale

@@ -43,9 +43,12 @@ Result<CameraSetup> read_camera_file(const std::string& path, int image_width, i
 ///         calibration of other images.
 Result<CameraSetup> read_kitti_calibration(const std::string& path, int image, int image_width, int image_height);
 
+/// Text of a camera.yaml. `mask_name`: file of the vehicle mask, which lies beside; "": the text says nothing of one.
+/// `comment`, lines of text, goes before all else.
+std::string camera_file_text(const CameraSetup& setup, const std::string& mask_name, const std::string& comment = "");
+
 /// Writes a camera.yaml that read_camera_file reads back to the same values (angles, which the file has in degrees, to
-/// the last bit). A vehicle mask goes into a PNG beside it,
-/// `<name>_vehicle_mask.png`. `comment`, lines of text, goes before all else. @return kIo.
+/// the last bit): camera_file_text. A vehicle mask goes into a PNG beside it, `<name>_vehicle_mask.png`. @return kIo.
 Result<void> write_camera_file(const std::string& path, const CameraSetup& setup, const std::string& comment = "");
 /// Where write_camera_file puts a vehicle mask.
 std::string vehicle_mask_path(const std::string& camera_file);

@@ -1,6 +1,7 @@
 #include "groundscale/io/camera_file.hpp"
 
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -194,6 +195,57 @@ TEST(CameraFile, EveryModelReadsAndWritesItsOwnKeys) {
     ASSERT_TRUE(write_camera_file(written, *setup));
     EXPECT_EQ(*read_text(written), text);
   }
+}
+
+TEST(CameraFile, StandardDeviationsAreReadAndWrittenUnderTheModelsNames) {
+  const TempFolder folder;
+  const std::string sds = "f_sd: 2.5\ncx_sd: 10\ncy_sd: 0.8\n";
+  const std::string kannala_brandt =
+      "model: kannala_brandt\nimage_size: [640, 480]\nfx: 250.5\nfy: 251\ncx: 320\ncy: 240\n"
+      "distortion: {k1: 0.01, k2: -0.002, k3: 0.0003, k4: 0}\n" +
+      sds + "k1_sd: 0.0015\n";
+  const std::string ocam =
+      "model: ocam\nimage_size: [640, 480]\npolynomial: [-250.5, 0, 0.0012]\ncx: 321\ncy: 239\n"
+      "affine: {c: 1.001, d: 0.0002, e: -0.0003}\n" +
+      sds + "polynomial_2_sd: 3.5e-06\n";
+  for (const std::string& text : {kannala_brandt, ocam, kPinhole + sds + "k1_sd: 0.0015\n"}) {
+    const auto setup = read_camera_file(folder.file("camera.yaml", text), 640, 480);
+    ASSERT_TRUE(setup) << setup.error().message;
+    const bool is_ocam = setup->camera->model() == "ocam";
+    const std::map<CameraParameter, double> expected = {{CameraParameter::kFocal, 2.5},
+                                                        {CameraParameter::kColumn, 10.0},
+                                                        {CameraParameter::kRow, 0.8},
+                                                        {CameraParameter::kRadial, is_ocam ? 3.5e-6 : 0.0015}};
+    EXPECT_EQ(setup->parameter_sds, expected);
+    const std::string written = folder / "written.yaml";
+    ASSERT_TRUE(write_camera_file(written, *setup));
+    EXPECT_EQ(read_camera_file(written, 640, 480).value().parameter_sds, expected);
+    if (setup->camera->model() != "pinhole") {
+      EXPECT_EQ(*read_text(written), text);
+    }
+  }
+}
+
+TEST(CameraFile, AStandardDeviationIsANumberAboveZeroOfThisModel) {
+  const std::string pinhole = kPinhole;
+  EXPECT_THAT(camera_error(pinhole + "f_sd: 0\n"),
+              HasSubstr("camera.yaml:6: f_sd: 0 is out of range, it must be above 0"));
+  EXPECT_THAT(camera_error(pinhole + "cx_sd: -1\n"), HasSubstr("cx_sd: -1 is out of range, it must be above 0"));
+  EXPECT_THAT(camera_error(pinhole + "cy_sd: much\n"), HasSubstr("cy_sd: 'much' must be a finite number"));
+  EXPECT_THAT(camera_error(pinhole + "k1_sd: .inf\n"), HasSubstr("k1_sd: "));
+  EXPECT_THAT(camera_error(pinhole + "polynomial_2_sd: 1\n"), HasSubstr("unknown key 'polynomial_2_sd'"));
+  EXPECT_THAT(camera_error("model: ocam\ncx: 320\ncy: 240\npolynomial: [-250]\nk1_sd: 1\n"),
+              HasSubstr("unknown key 'k1_sd'"));
+}
+
+TEST(CameraFile, ItsTextIsWhatIsWritten) {
+  const TempFolder folder;
+  CameraSetup setup = read_camera_file(folder.file("camera.yaml", kPinhole), 640, 480).value();
+  setup.vehicle_mask = Image(640, 480);
+  setup.vehicle_mask.data()[0] = 255;
+  ASSERT_TRUE(write_camera_file(folder / "written.yaml", setup, "why"));
+  EXPECT_EQ(*read_text(folder / "written.yaml"), camera_file_text(setup, "written_vehicle_mask.png", "why"));
+  EXPECT_THAT(camera_file_text(setup, ""), testing::Not(HasSubstr("vehicle_mask")));
 }
 
 TEST(CameraFile, KeysOfAnotherModelAreUnknown) {

@@ -12,10 +12,10 @@
 #include <Eigen/SparseCore>
 #include <fmt/format.h>
 
+#include "groundscale/calibration/track_point_internal.hpp"
 #include "groundscale/core/check.hpp"
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/geometry/so3.hpp"
-#include "groundscale/mapping/triangulation.hpp"
 
 namespace groundscale {
 namespace {
@@ -148,27 +148,8 @@ class Batch {
   State state_;
 };
 
-std::optional<Eigen::Vector3d> point_of(const DriveTracks::Track& track,
-                                        const std::vector<RigidTransform>& cam_from_world, const Camera& camera,
-                                        const BatchOptions& options) {
-  constexpr std::size_t kMinSights = 3;
-  if (track.sights.size() < kMinSights) return std::nullopt;
-  std::vector<Sight> sights;
-  for (const DriveTracks::Sight& sight : track.sights) {
-    const auto ray = camera.ray(sight.pixel);
-    if (!ray) return std::nullopt;
-    sights.push_back({cam_from_world[static_cast<std::size_t>(sight.view)], *ray, sight.pixel});
-  }
-  TriangulationOptions triangulation;
-  triangulation.loss_px = 2.0 * options.loss_px;
-  triangulation.min_parallax_rad = options.min_parallax_px / camera.focal_px();
-  const auto point = triangulate(sights, camera, triangulation);
-  if (!point || point->rms_px > options.max_error_px) return std::nullopt;
-  return point->point_in_world;
-}
-
 std::optional<Eigen::Vector3d> Batch::first_point(const DriveTracks::Track& track) const {
-  return point_of(track, state_.cam_from_world, *state_.camera, options_);
+  return internal::point_of(track, state_.cam_from_world, *state_.camera, options_);
 }
 
 Eigen::Vector2d Batch::error_of(const State& state, const DriveTracks::Sight& sight,
@@ -528,7 +509,7 @@ double reprojection_rms_px(const DriveTracks& drive, const std::vector<RigidTran
   int count = 0;
   const double bound = 3.0 * options.loss_px;
   for (const DriveTracks::Track& track : drive.tracks) {
-    const auto point = point_of(track, cam_from_world, camera, options);
+    const auto point = internal::point_of(track, cam_from_world, camera, options);
     if (!point) continue;
     for (const DriveTracks::Sight& sight : track.sights) {
       const auto pixel = camera.project(cam_from_world[static_cast<std::size_t>(sight.view)] * *point);

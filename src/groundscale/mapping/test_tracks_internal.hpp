@@ -48,8 +48,8 @@ inline DriveTracks drive_along(const Street& street, const Camera& camera, Rng& 
   }
   while (static_cast<int>(drive.tracks.size()) < street.points) {
     const auto first = static_cast<std::size_t>(rng.index(street.views - 3));
-    const double column = rng.uniform(0.0, camera.width() - 1.0);
-    const auto ray = camera.ray({column, rng.uniform(0.0, camera.height() - 1.0)});
+    const double row = rng.uniform(0.0, camera.height() - 1.0);
+    const auto ray = camera.ray({rng.uniform(0.0, camera.width() - 1.0), row});
     if (!ray) continue;
     const Eigen::Vector3d in_cam = *ray * (rng.uniform(6.0, 30.0) / std::max(0.3, ray->z()));
     const Eigen::Vector3d point = drive.views[first].cam_from_world.inverse() * in_cam;
