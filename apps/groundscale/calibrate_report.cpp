@@ -97,9 +97,9 @@ std::vector<CalibrationReport::Fact> CalibrationWords::evidence() const {
     const std::string after = calibration_.slope_after ? ", " + slope_text(*calibration_.slope_after) + " after" : "";
     facts.push_back({"drift of the scale", slope_text(*calibration_.slope_before) + " before" + after});
   }
-  if (calibration_.held_out_before_px > 0.0) {
+  if (calibration_.held_out.before_px > 0.0) {
     facts.push_back({"error of tracks", fmt::format("{:.3f} px before, {:.3f} px after, of those that took no part",
-                                                    calibration_.held_out_before_px, calibration_.held_out_after_px)});
+                                                    calibration_.held_out.before_px, calibration_.held_out.after_px)});
   }
   if (calibration_.adopted && !same_mounting(calibration_.setup, plan_.camera.setup)) {
     facts.push_back({"mounting", mounting_text(calibration_.setup)});
@@ -147,8 +147,8 @@ CalibrationReport calibration_report(const CalibrationPlan& plan, const Calibrat
   for (const auto& facts : {words.origins(), words.evidence()}) {
     report.facts.insert(report.facts.end(), facts.begin(), facts.end());
   }
-  report.residuals_before = calibration.residuals_before;
-  report.residuals_after = calibration.residuals_after;
+  report.residuals_before = calibration.held_out.residuals_before;
+  report.residuals_after = calibration.held_out.residuals_after;
   const auto slope_of = [](const std::vector<std::optional<ScaleSlope>>& slopes, std::size_t drive) {
     return drive < slopes.size() ? slopes[drive] : std::nullopt;
   };

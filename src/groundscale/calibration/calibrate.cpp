@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <iterator>
-#include <tuple>
 #include <utility>
 
 #include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "groundscale/core/check.hpp"
+#include "groundscale/odometry/turning.hpp"
 
 namespace groundscale {
 namespace {
@@ -56,9 +55,6 @@ DriveTracks tracks_of(const DriveTracks& drive, Keep keep) {
   std::copy_if(drive.tracks.begin(), drive.tracks.end(), std::back_inserter(part.tracks), keep);
   return part;
 }
-
-/// Every third track is held out where the result is checked.
-bool takes_part(const DriveTracks::Track& track) { return track.id % 3 != 0; }
 
 /// The slopes of several drives by their errors.
 std::optional<ScaleSlope> combined_slope(const std::vector<DrivePass>& passes) {
@@ -118,10 +114,10 @@ class Calibrator {
   Result<void> find_by_tracks();
   void find_by_slope();
   Result<void> state_uncertainty();
+  double model_of(std::size_t j, double share) const;
   std::string why_refused(std::size_t j) const;
   Result<void> take_over();
   Result<void> adjust_row();
-  std::pair<double, std::optional<ResidualMap>> held_out(const CameraPtr& camera) const;
   Result<void> check();
   std::string why_not_adopted() const;
   Calibration stay(std::string why);
@@ -296,6 +292,32 @@ void Calibrator::find_by_slope() {
       ParameterEstimate{last.radial + change, std::hypot(slope_sd, change * sensitivity.sd) / -sensitivity.value};
 }
 
+/// The tracks of one half: those with even ids, or those of the first half of the views.
+DriveTracks half_of(const DriveTracks& drive, bool by_time, int half) {
+  const auto middle = static_cast<int>(drive.views.size()) / 2;
+  return tracks_of(drive, [by_time, half, middle](const DriveTracks::Track& track) {
+    if (!by_time) return track.id % 2 == half;
+    return (track.sights[track.sights.size() / 2].view < middle) == (half == 0);
+  });
+}
+
+/// Whether both halves of a drive's views turn enough to say something.
+bool turns_in_halves(const DrivePass& pass, double min_turn_deg) {
+  std::vector<RigidTransform> poses;
+  for (const DriveTracks::View& view : pass.tracks.views) poses.push_back(view.cam_from_world.inverse());
+  const auto middle = static_cast<std::ptrdiff_t>(poses.size() / 2);
+  return turned_deg({poses.begin(), poses.begin() + middle}) >= min_turn_deg &&
+         turned_deg({poses.begin() + middle, poses.end()}) >= min_turn_deg;
+}
+
+/// Sd that tracker and too little turning add to a parameter.
+/// @param share  Of all turning.
+double Calibrator::model_of(std::size_t j, double share) const {
+  const Freed& freed = freed_[j];
+  const double turned_deg = std::max(1.0, share * calibration_.turned_deg);
+  return std::hypot(freed.model, freed.step * options_.turn_px / std::sqrt(turned_deg));
+}
+
 /// Sandwich, halves of the tracks and of the drive, and the tracker's part.
 Result<void> Calibrator::state_uncertainty() {
   say("halves of the tracks and of the drive");
@@ -305,13 +327,9 @@ Result<void> Calibrator::state_uncertainty() {
   for (const bool by_time : {false, true}) {
     std::vector<BatchResult> halves[2];
     for (const DrivePass& pass : passes_) {
-      const auto views = static_cast<int>(pass.tracks.views.size());
+      if (by_time && !turns_in_halves(pass, options_.min_turn_deg)) continue;
       for (const int half : {0, 1}) {
-        const auto keep = [by_time, half, views](const DriveTracks::Track& track) {
-          if (!by_time) return track.id % 2 == half;
-          return (track.sights[track.sights.size() / 2].view < views / 2) == (half == 0);
-        };
-        auto result = adjust_batch(tracks_of(pass.tracks, keep), camera_, all_, options_.batch);
+        auto result = adjust_batch(half_of(pass.tracks, by_time, half), camera_, all_, options_.batch);
         if (result) halves[half].push_back(std::move(*result));
       }
     }
@@ -320,16 +338,15 @@ Result<void> Calibrator::state_uncertainty() {
     const Combined second = combined(halves[1]);
     for (Eigen::Index j = 0; j < size; ++j) {
       const double apart = first.values(j) - second.values(j);
-      const double model = freed_[static_cast<std::size_t>(j)].model;
+      const double model = model_of(static_cast<std::size_t>(j), by_time ? 0.5 : 1.0);
       const double sd = std::sqrt(first.covariance(j, j) + second.covariance(j, j) + 2.0 * model * model);
       worst(j) = std::max(worst(j), std::abs(apart) / sd);
-      // Of two halves the mean has a quarter of the difference's variance. Of halves by time one may hold no turn:
-      // their difference then says nothing about the whole.
-      if (!by_time) squares(j) += 0.25 * apart * apart;
+      // Of two halves the mean has a quarter of the difference's variance.
+      squares(j) = std::max(squares(j), by_tracks_.covariance(j, j) + 0.25 * apart * apart);
     }
   }
   for (Eigen::Index j = 0; j < size; ++j) {
-    sds_.push_back(std::hypot(std::sqrt(squares(j)), freed_[static_cast<std::size_t>(j)].model));
+    sds_.push_back(std::hypot(std::sqrt(squares(j)), model_of(static_cast<std::size_t>(j), 1.0)));
     disagree_.push_back(worst(j) > options_.max_disagreement
                             ? fmt::format("halves of the data are {:.1f} standard deviations apart", worst(j))
                             : std::string());
@@ -405,31 +422,10 @@ Result<void> Calibrator::adjust_row() {
   return {};
 }
 
-/// Tracks that took no part, with the poses that belong to a camera: their rms error, and where it lies.
-std::pair<double, std::optional<ResidualMap>> Calibrator::held_out(const CameraPtr& camera) const {
-  double squares = 0.0;
-  int drives = 0;
-  std::optional<ResidualMap> map;
-  for (const DrivePass& pass : passes_) {
-    const auto poses = adjust_batch(tracks_of(pass.tracks, takes_part), camera, {}, options_.batch);
-    if (!poses) continue;
-    const DriveTracks rest = tracks_of(pass.tracks, std::not_fn(takes_part));
-    const double rms_px = reprojection_rms_px(rest, poses->cam_from_world, *camera, options_.batch);
-    if (!std::isfinite(rms_px)) continue;
-    squares += rms_px * rms_px;
-    ++drives;
-    ResidualMap own = residual_map(rest, poses->cam_from_world, *camera, options_.batch);
-    if (map) map->merge(own);
-    if (!map) map = std::move(own);
-  }
-  return {std::sqrt(squares / std::max(1, drives)), std::move(map)};
-}
-
 /// Held-out tracks, and the slope with the new camera.
 Result<void> Calibrator::check() {
   say("tracks that took no part");
-  std::tie(calibration_.held_out_before_px, calibration_.residuals_before) = held_out(setup_.camera);
-  std::tie(calibration_.held_out_after_px, calibration_.residuals_after) = held_out(camera_);
+  calibration_.held_out = compare_held_out(passes_, setup_.camera, camera_, options_.batch);
   if (const auto done = pass(); !done) return done;
   calibration_.slope_after = combined_slope(passes_);
   calibration_.slopes_after = slopes_of(passes_);
@@ -442,9 +438,9 @@ std::string Calibrator::why_not_adopted() const {
   const bool any = std::any_of(found.parameters.begin(), found.parameters.end(),
                                [](const CalibratedParameter& parameter) { return parameter.reason.empty(); });
   if (!any) return "nothing could be found that is surer than the calibration given";
-  if (!(found.held_out_after_px < found.held_out_before_px)) {
-    return fmt::format("tracks that took no part fit no better ({:.3f} px before, {:.3f} px after)",
-                       found.held_out_before_px, found.held_out_after_px);
+  if (!(found.held_out.after_px < found.held_out.before_px)) {
+    return fmt::format("tracks that took no part fit no better ({:.4f} px before, {:.4f} px after)",
+                       found.held_out.before_px, found.held_out.after_px);
   }
   if (!found.slope_after) return "the ground was seen too rarely with the new camera to check the scale's drift";
   if (std::abs(found.slope_after->per_100m) > options_.max_slope) {
@@ -561,6 +557,12 @@ void visit_fields(CalibrateOptions& options, FieldVisitor& visitor) {
                  .min = 1e-6,
                  .max = 10},
                 options.sensitivity_sd);
+  visitor.field({.key = "turn_px",
+                 .unit = "px",
+                 .help = "sd in the corners of radial coefficient and row, over the root of the turning in degrees",
+                 .min = 0,
+                 .max = 1000},
+                options.turn_px);
   visitor.field(
       {.key = "slope_model", .unit = "1/100 m", .help = "sd of the scale's slope that roads add", .min = 0, .max = 1},
       options.slope_model);

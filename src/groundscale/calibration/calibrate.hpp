@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "groundscale/calibration/drive_pass.hpp"
-#include "groundscale/calibration/residual_map.hpp"
+#include "groundscale/calibration/held_out.hpp"
 #include "groundscale/camera/parameters.hpp"
 #include "groundscale/core/options.hpp"
 #include "groundscale/core/result.hpp"
@@ -24,9 +24,11 @@ struct CalibrateOptions {
   double min_turn_deg = 30.0;     ///< Of turning over all drives; with less nothing is observable.
   double max_change_px = 40.0;    ///< Parameters that move pixels far out by more are at their bound.
   double radial_model_px = 3.5;   ///< Sd that the tracker's own errors add to the adjustment's radial coefficient,
-  double row_model_px = 0.7;      ///< to its row,
+  double row_model_px = 0.3;      ///< to its row,
   double column_model_px = 10.0;  ///< to its column,
   double focal_model = 0.015;     ///< and to its focal length, as a share of it.
+  /// Sd of radial coefficient and row, over the root of the turning in degrees: 10 degrees leave 3 px.
+  double turn_px = 10.0;
   double slope_model = 0.01;      ///< Sd of the slope per 100 m that roads add.
   double sensitivity = -0.023;    ///< Slope per 100 m by a pixel of radial coefficient far out, where one pass says
   double sensitivity_sd = 0.012;  ///< nothing about it; and how much that differs from drive to drive.
@@ -65,10 +67,8 @@ struct Calibration {
   /// The same of each drive.
   std::vector<std::optional<ScaleSlope>> slopes_before, slopes_after;
   std::optional<double> length_change;  ///< Share by which lengths change at the height given.
-  double held_out_before_px = 0.0;      ///< Reprojection error of a third of the tracks that took no part,
-  double held_out_after_px = 0.0;       ///< with the poses that belong to each camera.
-  std::optional<ResidualMap> residuals_before, residuals_after;  ///< Of those tracks.
-  double turned_deg = 0.0;                                       ///< All drives together.
+  HeldOut held_out;                     ///< A third of the tracks, which took no part.
+  double turned_deg = 0.0;              ///< All drives together.
   double length_m = 0.0;
   int frames = 0;
   int passes = 0;           ///< Of the odometry.

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "groundscale/calibration/track_point_internal.hpp"
 #include "groundscale/core/check.hpp"
+#include "groundscale/mapping/track_point_internal.hpp"
 
 namespace groundscale {
 namespace {

@@ -38,7 +38,7 @@ struct ResidualMap {
   double pattern_px(int least) const;
 };
 
-/// Errors of a drive's tracks, each one's point solved from its own sights as for reprojection_rms_px; those beyond
+/// Errors of a drive's tracks, each one's point solved from its own sights as for reprojection_errors; those beyond
 /// 3 loss_px are left out.
 /// @param columns  Of the grid, at least 1.
 /// Deterministic. O(sights).

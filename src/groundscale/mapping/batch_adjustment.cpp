@@ -12,10 +12,10 @@
 #include <Eigen/SparseCore>
 #include <fmt/format.h>
 
-#include "groundscale/calibration/track_point_internal.hpp"
 #include "groundscale/core/check.hpp"
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/geometry/so3.hpp"
+#include "groundscale/mapping/track_point_internal.hpp"
 
 namespace groundscale {
 namespace {
@@ -503,21 +503,29 @@ Result<BatchResult> adjust_batch(const DriveTracks& drive, const CameraPtr& came
   return result;
 }
 
-double reprojection_rms_px(const DriveTracks& drive, const std::vector<RigidTransform>& cam_from_world,
-                           const Camera& camera, const BatchOptions& options) {
-  double sum = 0.0;
-  int count = 0;
-  const double bound = 3.0 * options.loss_px;
+std::vector<TrackError> reprojection_errors(const DriveTracks& drive, const std::vector<RigidTransform>& cam_from_world,
+                                            const Camera& camera, const BatchOptions& options) {
+  BatchOptions any_error = options;
+  any_error.max_error_px = std::numeric_limits<double>::infinity();
+  const CauchyLoss loss{options.loss_px};
+  std::vector<TrackError> errors;
+  errors.reserve(drive.tracks.size());
   for (const DriveTracks::Track& track : drive.tracks) {
-    const auto point = internal::point_of(track, cam_from_world, camera, options);
+    TrackError& error = errors.emplace_back();
+    const auto point = internal::point_of(track, cam_from_world, camera, any_error);
     if (!point) continue;
+    double squares = 0.0;
     for (const DriveTracks::Sight& sight : track.sights) {
       const auto pixel = camera.project(cam_from_world[static_cast<std::size_t>(sight.view)] * *point);
-      sum += pixel ? std::min(bound * bound, (*pixel - sight.pixel).squaredNorm()) : bound * bound;
-      ++count;
+      constexpr double kUnseenPx = 1e3;
+      const double size = pixel ? (*pixel - sight.pixel).norm() : kUnseenPx;
+      error.loss += loss.rho(size);
+      squares += size * size;
+      ++error.sights;
     }
+    error.rms_px = std::sqrt(squares / error.sights);
   }
-  return count > 0 ? std::sqrt(sum / count) : std::numeric_limits<double>::quiet_NaN();
+  return errors;
 }
 
 }  // namespace groundscale

@@ -59,9 +59,15 @@ struct BatchResult {
 Result<BatchResult> adjust_batch(const DriveTracks& drive, const CameraPtr& camera,
                                  const std::vector<FreeParameter>& free, const BatchOptions& options);
 
-/// Reprojection error of tracks that took no part: each one's point solved from its own sights with a camera and poses.
-/// sqrt(mean |error|^2), errors beyond 3 loss_px cut there; NaN without tracks that have enough parallax.
-double reprojection_rms_px(const DriveTracks& drive, const std::vector<RigidTransform>& cam_from_world,
-                           const Camera& camera, const BatchOptions& options);
+/// How a track fits a camera and poses that it took no part in finding.
+struct TrackError {
+  int sights = 0;       ///< 0: it gives no point, having fewer than three or too little parallax.
+  double loss = 0.0;    ///< Sum of rho(|error|) over them, rho = Cauchy.
+  double rms_px = 0.0;  ///< sqrt(mean |error|^2)
+};
+
+/// For each track of the drive, its point solved from its own sights.
+std::vector<TrackError> reprojection_errors(const DriveTracks& drive, const std::vector<RigidTransform>& cam_from_world,
+                                            const Camera& camera, const BatchOptions& options);
 
 }  // namespace groundscale

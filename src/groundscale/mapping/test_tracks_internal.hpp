@@ -4,12 +4,12 @@
 #include <cmath>
 #include <utility>
 
-#include "groundscale/mapping/drive_tracks.hpp"
 #include "groundscale/camera/camera.hpp"
 #include "groundscale/camera/parameters.hpp"
 #include "groundscale/camera/pinhole.hpp"
 #include "groundscale/core/rng.hpp"
 #include "groundscale/geometry/so3.hpp"
+#include "groundscale/mapping/drive_tracks.hpp"
 
 namespace groundscale::internal {
 

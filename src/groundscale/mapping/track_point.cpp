@@ -1,4 +1,4 @@
-#include "groundscale/calibration/track_point_internal.hpp"
+#include "groundscale/mapping/track_point_internal.hpp"
 #include "groundscale/mapping/triangulation.hpp"
 
 namespace groundscale {

@@ -5,10 +5,10 @@
 
 #include <Eigen/Core>
 
-#include "groundscale/calibration/batch_adjustment.hpp"
-#include "groundscale/calibration/drive_tracks.hpp"
 #include "groundscale/camera/camera.hpp"
 #include "groundscale/geometry/rigid_transform.hpp"
+#include "groundscale/mapping/batch_adjustment.hpp"
+#include "groundscale/mapping/drive_tracks.hpp"
 
 namespace groundscale::internal {
 
