@@ -47,7 +47,7 @@ std::string unit_of(CameraParameter parameter, const Camera& camera) {
 }  // namespace
 
 std::string CalibrationWords::height_text() const {
-  if (!plan_.camera.setup.height_m) return fmt::format("the {:g} m assumed", kAssumedHeightM);
+  if (!plan_.camera.setup.height_m) return fmt::format("{:g} m (assumed)", kAssumedHeightM);
   return fmt::format("{:g} m ({})", *plan_.camera.setup.height_m, plan_.camera.height_from);
 }
 
