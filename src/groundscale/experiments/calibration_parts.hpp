@@ -10,13 +10,13 @@
 namespace groundscale {
 
 struct CalibrationTrialOptions {
-  std::vector<std::string> parts;      ///< Of calibration_part_names; empty: all.
-  std::string kitti;                   ///< As in DriveOptions: poses that `drives` and `focal` follow too; "": none.
-  std::vector<std::string> sequences;  ///< Of `kitti`.
-  std::string preset = "small";        ///< Camera of the short drives: parts `seeds` and `straight`.
-  int frames = 250;                    ///< Of the short drives, and of `range` and `fisheye`.
-  int seeds = 20;                      ///< How many worlds, from seed 1 on.
-  int threads = 0;                     ///< For rendering; 0: one a processor.
+  std::vector<std::string> parts{};      ///< Of calibration_part_names; empty: all.
+  std::string kitti{};                   ///< As in DriveOptions: poses that `drives` and `focal` follow too; "": none.
+  std::vector<std::string> sequences{};  ///< Of `kitti`.
+  std::string preset = "small";          ///< Camera of the short drives: parts `seeds` and `straight`.
+  int frames = 250;                      ///< Of the short drives, and of `range` and `fisheye`.
+  int seeds = 20;                        ///< How many worlds, from seed 1 on.
+  int threads = 0;                       ///< For rendering; 0: one a processor.
 };
 
 /// A drive to be simulated.
