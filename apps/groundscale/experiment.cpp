@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
+#include "groundscale/experiments/calibration.hpp"
 #include "groundscale/experiments/drives.hpp"
 #include "groundscale/experiments/experiment.hpp"
 #include "groundscale/experiments/realism.hpp"
@@ -175,8 +176,46 @@ void add_campus(CLI::App& parent, int& exit_status) {
   });
 }
 
+void add_calibration(CLI::App& parent, int& exit_status) {
+  struct Arguments {
+    ExperimentRequest request;
+    CalibrationTrialOptions options;
+    RunSettings settings;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  CalibrationTrialOptions& options = arguments->options;
+  CLI::App* command = parent.add_subcommand(kCalibrationName, kCalibrationSummary);
+  add_common(*command, arguments->request);
+  command->add_option("--parts", options.parts, fmt::format("Of {} (all)", fmt::join(calibration_part_names(), ", ")))
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->option_text("PART,PART,...");
+  command
+      ->add_option("--kitti", options.kitti,
+                   "Folder with KITTI odometry's poses/NN.txt and times, for drives along them beside the route `city`")
+      ->option_text("PATH");
+  command->add_option("--sequences", options.sequences, "Which of them (default 00:500,05:500,07:500)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->option_text("NAME,NAME,...");
+  command->add_option("--preset", options.preset, "Camera of the parts `seeds` and `straight` (small)");
+  command->add_option("--frames", options.frames, "Of the short drives (250)")->check(CLI::Range(2, 1000000));
+  command->add_option("--seeds", options.seeds, "How many worlds the part `seeds` has (20)")
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--threads", options.threads, "For rendering; the images are the same with any number")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--set", arguments->settings.assignments, "KEY=VALUE of the odometry's configuration")
+      ->expected(1)
+      ->take_all();
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    exit_status = finish(run_calibration(arguments->options, arguments->settings, arguments->request));
+  });
+}
+
 /// Every experiment: a function that adds its subcommand.
-constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives, add_realism, add_vo_kitti, add_campus};
+constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives, add_realism, add_vo_kitti, add_campus,
+                                                     add_calibration};
 
 std::string list_of(const CLI::App& command) {
   std::string text;
