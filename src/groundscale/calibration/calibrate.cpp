@@ -358,7 +358,9 @@ Result<void> Calibrator::state_uncertainty() {
 std::string Calibrator::why_refused(std::size_t j) const {
   if (!disagree_[j].empty()) return disagree_[j];
   const double change_px = std::abs(by_tracks_.values(static_cast<Eigen::Index>(j)) - freed_[j].start) / freed_[j].step;
-  if (change_px > options_.max_change_px) {
+  // Of a camera without calibration the principal point may be anywhere.
+  const double bound_px = options_.free_focal ? 2.0 * options_.max_change_px : options_.max_change_px;
+  if (change_px > bound_px) {
     return fmt::format("it would change by {:.0f} px in the image's corners: the start is too far off", change_px);
   }
   if (j == kRadial && by_slope_) {
@@ -489,10 +491,13 @@ Result<Calibration> Calibrator::work() {
   for (const CalibratedParameter& parameter : calibration_.parameters) {
     if (parameter.sd > 0.0) calibration_.setup.parameter_sds[parameter.parameter] = parameter.sd;
   }
-  if (const auto& mounting = passes_.front().mounting) {
-    calibration_.setup.pitch_rad = mounting->pitch_rad;
-    calibration_.setup.roll_rad = mounting->roll_rad;
-    calibration_.setup.yaw_rad = mounting->yaw_rad;
+  // The first drive that tells it: between drives a camera may have been moved.
+  const auto told =
+      std::find_if(passes_.begin(), passes_.end(), [](const DrivePass& pass) { return pass.mounting.has_value(); });
+  if (told != passes_.end()) {
+    calibration_.setup.pitch_rad = told->mounting->pitch_rad;
+    calibration_.setup.roll_rad = told->mounting->roll_rad;
+    calibration_.setup.yaw_rad = told->mounting->yaw_rad;
   }
   calibration_.total_s = seconds_since(begin_);
   return calibration_;

@@ -57,7 +57,7 @@ struct ParameterEstimate {
 };
 
 struct Calibration {
-  CameraSetup setup;  ///< To be used: as it was, but for the mounting, where `adopted` is false.
+  CameraSetup setup;  ///< To be used: as it was where `adopted` is false.
   bool adopted = false;
   std::string verdict;  ///< In words.
   std::vector<CalibratedParameter> parameters;
