@@ -135,8 +135,8 @@ MeasuredTrial measured_of(const Calibration& calibration, const CameraSetup& sta
   add_ways(calibration, truth, measured);
   auto& figures = measured.figures;
   if (calibration.held_out.before_px > 0.0) {
-    figures["held_out.before_px"] = calibration.held_out.before_px;
-    figures["held_out.after_px"] = calibration.held_out.after_px;
+    figures["held_out_before_px"] = calibration.held_out.before_px;
+    figures["held_out_after_px"] = calibration.held_out.after_px;
   }
   if (calibration.length_change) figures["length_change"] = kPercent * *calibration.length_change;
   figures["frames"] = calibration.frames;
