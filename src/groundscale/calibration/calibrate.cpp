@@ -279,6 +279,7 @@ void Calibrator::find_by_slope() {
   });
   const double apart = other->radial - last.radial;
   if (std::abs(apart) > 0.0) {
+    // The tracks creep in both alike.
     const double noise = std::hypot(other->slope.sd_per_100m, last.slope.sd_per_100m, options_.slope_model);
     sensitivity =
         combined(sensitivity, {(other->slope.per_100m - last.slope.per_100m) / apart, noise / std::abs(apart)});
@@ -287,7 +288,8 @@ void Calibrator::find_by_slope() {
   if (!(sensitivity.value < -2.0 * sensitivity.sd))
     sensitivity = {options_.sensitivity / step, options_.sensitivity_sd / step};
   const double change = -last.slope.per_100m / sensitivity.value;
-  const double slope_sd = std::hypot(last.slope.sd_per_100m, options_.slope_model);
+  const double slope_sd =
+      std::hypot(last.slope.sd_per_100m, options_.slope_model, options_.slip_px / camera_->focal_px());
   by_slope_ =
       ParameterEstimate{last.radial + change, std::hypot(slope_sd, change * sensitivity.sd) / -sensitivity.value};
 }
@@ -571,6 +573,12 @@ void visit_fields(CalibrateOptions& options, FieldVisitor& visitor) {
   visitor.field(
       {.key = "slope_model", .unit = "1/100 m", .help = "sd of the scale's slope that roads add", .min = 0, .max = 1},
       options.slope_model);
+  visitor.field({.key = "slip_px",
+                 .unit = "px/100 m",
+                 .help = "sd of the slope that tracks add which creep along, times the focal length",
+                 .min = 0,
+                 .max = 1000},
+                options.slip_px);
   visitor.field({.key = "max_slope",
                  .unit = "1/100 m",
                  .help = "of the scale with the new camera, above it is not taken over",
