@@ -30,7 +30,7 @@ struct CalibrateOptions {
   /// Sd of radial coefficient and row, over the root of the turning in degrees: 10 degrees leave 3 px.
   double turn_px = 10.0;
   double slope_model = 0.01;      ///< Sd of the slope per 100 m that roads add,
-  double slip_px = 12.0;          ///< and, times the focal length, that tracks add which creep along.
+  double slip_px = 6.0;           ///< and, times the focal length, that tracks add which creep along.
   double sensitivity = -0.023;    ///< Slope per 100 m by a pixel of radial coefficient far out, where one pass says
   double sensitivity_sd = 0.012;  ///< nothing about it; and how much that differs from drive to drive.
   double max_slope = 0.03;        ///< Per 100 m, above which a calibration is not taken over.
