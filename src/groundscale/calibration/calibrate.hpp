@@ -34,7 +34,7 @@ struct CalibrateOptions {
   double sensitivity = -0.023;    ///< Slope per 100 m by a pixel of radial coefficient far out, where one pass says
   double sensitivity_sd = 0.012;  ///< nothing about it; and how much that differs from drive to drive.
   double max_slope = 0.03;        ///< Per 100 m, above which a calibration is not taken over.
-  double max_disagreement = 3.0;  ///< In sd, between halves and between the two ways.
+  double max_disagreement = 4.0;  ///< In sd, between halves and between the two ways.
   bool free_focal = false;        ///< Nothing is known of the focal length.
   DriveRecorderOptions views;
   BatchOptions batch;
