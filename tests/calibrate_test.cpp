@@ -102,6 +102,34 @@ TEST_F(Calibrate, FindsDistortionAndRowAgainRoundACorner) {
   }
 }
 
+TEST_F(Calibrate, RunFindsThemWhileDrivingAndRepeatsItself) {
+  const std::string start = write("start.yaml", camera_text(5.0, 0.02));
+  const ProgramRun first = run_program({"run", city_drive(), "--camera", start, "--set", "camera.refine=online",
+                                        "--output", folder_ / "first", "--quiet"});
+  ASSERT_EQ(first.status, 0) << first.err;
+  EXPECT_THAT(first.out, HasSubstr("camera refined "));
+  EXPECT_THAT(first.out, HasSubstr("drift against road "));
+  const auto file = [this](const std::string& run, const char* name) {
+    return read_text(folder_ / run + "/" + name).value();
+  };
+  const std::string summary = file("first", "summary.json");
+  EXPECT_THAT(summary, HasSubstr("\"camera_changes\": [\n    {\n      \"frame\": "));
+  EXPECT_THAT(summary, HasSubstr("\"percent_per_100m\": "));
+  const ProgramRun again =
+      run_program({"run", "--config", folder_ / "first/config.yaml", "--output", folder_ / "again", "--quiet"});
+  ASSERT_EQ(again.status, 0) << again.err;
+  for (const char* name : {"trajectory.kitti", "online.kitti", "frames.csv"}) {
+    EXPECT_EQ(file("again", name), file("first", name)) << name;
+  }
+}
+
+TEST_F(Calibrate, RefiningNeedsAMap) {
+  const ProgramRun run = run_program({"run", city_drive(), "--frames", "10", "--set", "camera.refine=online", "--set",
+                                      "odometry.mode=pairwise", "--output", folder_ / "run", "--quiet"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("camera.refine: online has no effect in pairwise mode"));
+}
+
 TEST_F(Calibrate, OnAStraightRoadNothingChanges) {
   const std::string start = write("start.yaml", camera_text(5.0, 0.02) + "k1_sd: 0.004\n");
   const ProgramRun run = calibrate({city_drive(), "--frames", "45", "--camera", start});

@@ -42,6 +42,9 @@ Result<Calibration> calibrate_plan(CalibrationPlan& plan, bool quiet) {
   options.free_focal = !plan.focal_known;
   CameraSetup setup = plan.camera.setup;
   setup.height_m = setup.height_m.value_or(kAssumedHeightM);
+  if (*setup.height_m > kUnlikelyHeightM) {
+    say(fmt::format("warning: the camera height is {} m: is it given in metres?", *setup.height_m));
+  }
   if (plan.focal_searched) {
     const auto focal_px = search_focal(plan.readers.front(), setup, plan.config.odometry, options, show);
     if (!focal_px) return focal_px.error();

@@ -222,6 +222,10 @@ Result<void> run(const RunArguments& arguments) {
   summary.first_frame = (*sequence)->first_frame();
   summary.has_times = (*sequence)->has_times();
   if (!summary.has_times) summary.warnings.emplace_back("the source has no times: 10 frames a second are assumed");
+  if (config->odometry.camera.refine == CameraRefinement::kOnline &&
+      config->odometry.odometry.mode == OdometryMode::kPairwise) {
+    summary.warnings.emplace_back("camera.refine: online has no effect in pairwise mode");
+  }
   const Drive drive{**sequence, *setup->camera, *masks, **odometry};
   if (const auto done = carry_out(drive, *writer, arguments, summary); !done) return done;
   for (const std::string& warning : (*sequence)->warnings()) summary.warnings.push_back(warning);

@@ -38,10 +38,14 @@ struct Combined {
 
 Combined combined(const std::vector<BatchResult>& results) {
   const auto size = results.front().covariance.rows();
+  if (results.size() == 1) {
+    return {Eigen::Map<const Eigen::VectorXd>(results.front().values.data(), size), results.front().covariance};
+  }
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
   Eigen::VectorXd weighted = Eigen::VectorXd::Zero(size);
   for (const BatchResult& result : results) {
-    const Eigen::MatrixXd own = result.covariance.inverse();
+    // A drive of few blocks has a sandwich that is sure of some direction for no reason.
+    const Eigen::MatrixXd own = (result.covariance + result.formal_covariance).inverse();
     information += own;
     weighted += own * Eigen::Map<const Eigen::VectorXd>(result.values.data(), size);
   }
@@ -118,7 +122,9 @@ class Calibrator {
   std::string why_refused(std::size_t j) const;
   Result<void> take_over();
   Result<void> adjust_row();
+  CameraPtr camera_without_held_out();
   Result<void> check();
+  Result<void> find_and_check();
   std::string why_not_adopted() const;
   Calibration stay(std::string why);
   CameraPtr camera_with(const Eigen::VectorXd& values) const;
@@ -426,10 +432,42 @@ Result<void> Calibrator::adjust_row() {
   return {};
 }
 
+/// The camera as it comes out where every third track takes no part; null where nothing does.
+CameraPtr Calibrator::camera_without_held_out() {
+  const CameraPtr found = camera_;
+  std::vector<DriveTracks> all;
+  for (DrivePass& pass : passes_) all.push_back(std::exchange(pass.tracks, without_held_out(pass.tracks)));
+  Eigen::VectorXd values(static_cast<Eigen::Index>(freed_.size()));
+  for (std::size_t j = 0; j < freed_.size(); ++j)
+    values(static_cast<Eigen::Index>(j)) = calibration_.parameters[j].after;
+  CameraPtr without;
+  if (const auto both = adjust(all_)) {
+    const Combined fewer = combined(*both);
+    for (std::size_t j = 0; j < freed_.size(); ++j) {
+      const auto index = static_cast<Eigen::Index>(j);
+      const CalibratedParameter& parameter = calibration_.parameters[j];
+      if (!parameter.reason.empty()) continue;
+      // By as much as the tracks count in what came out.
+      const double weight = std::min(1.0, std::pow(parameter.sd / sds_[j], 2));
+      values(index) += weight * (fewer.values(index) - by_tracks_.values(index));
+    }
+    camera_ = camera_with(values);
+    const auto row = camera_ != nullptr && calibration_.parameters[kRow].reason.empty()
+                         ? adjust({all_[kRow]})
+                         : Result<std::vector<BatchResult>>(Error{});
+    if (row && !freed_[kRow].prior_sd) values(kRow) = combined(*row).values(0);
+    without = camera_with(values);
+  }
+  for (std::size_t d = 0; d < passes_.size(); ++d) passes_[d].tracks = std::move(all[d]);
+  camera_ = found;
+  return without;
+}
+
 /// Held-out tracks, and the slope with the new camera.
 Result<void> Calibrator::check() {
   say("tracks that took no part");
-  calibration_.held_out = compare_held_out(passes_, setup_.camera, camera_, options_.batch);
+  const CameraPtr found = camera_without_held_out();
+  if (found != nullptr) calibration_.held_out = compare_held_out(passes_, setup_.camera, found, options_.batch);
   if (const auto done = pass(); !done) return done;
   calibration_.slope_after = combined_slope(passes_);
   calibration_.slopes_after = slopes_of(passes_);
@@ -447,6 +485,10 @@ std::string Calibrator::why_not_adopted() const {
                        found.held_out.before_px, found.held_out.after_px);
   }
   if (!found.slope_after) return "the ground was seen too rarely with the new camera to check the scale's drift";
+  if (found.slope_after->sd_per_100m > options_.max_slope) {
+    return fmt::format("the scale's drift with the new camera is known to {:.1f} % per 100 m only",
+                       100.0 * found.slope_after->sd_per_100m);
+  }
   if (std::abs(found.slope_after->per_100m) > options_.max_slope) {
     return fmt::format("the scale still runs away by {:+.1f} % per 100 m", 100.0 * found.slope_after->per_100m);
   }
@@ -457,6 +499,16 @@ Calibration Calibrator::stay(std::string why) {
   calibration_.verdict = "the calibration stays as it is: " + std::move(why);
   calibration_.total_s = seconds_since(begin_);
   return calibration_;
+}
+
+Result<void> Calibrator::find_and_check() {
+  if (const auto done = find_by_tracks(); !done) return done;
+  find_by_slope();
+  if (const auto done = state_uncertainty(); !done) return done;
+  calibration_.radial_by_tracks = {by_tracks_.values(kRadial), sds_[kRadial]};
+  calibration_.radial_by_slope = by_slope_;
+  if (const auto done = take_over(); !done) return done;
+  return check();
 }
 
 Result<Calibration> Calibrator::work() {
@@ -479,13 +531,12 @@ Result<Calibration> Calibrator::work() {
     }
     return stay(why);
   }
-  if (const auto done = find_by_tracks(); !done) return done.error();
-  find_by_slope();
-  if (const auto done = state_uncertainty(); !done) return done.error();
-  calibration_.radial_by_tracks = {by_tracks_.values(kRadial), sds_[kRadial]};
-  calibration_.radial_by_slope = by_slope_;
-  if (const auto done = take_over(); !done) return done.error();
-  if (const auto done = check(); !done) return done.error();
+  if (const auto done = find_and_check(); !done) {
+    // That a drive tells nothing is no failure.
+    const ErrorCode code = done.error().code;
+    if (code != ErrorCode::kNotConverged && code != ErrorCode::kTooFewMatches) return done.error();
+    return stay(done.error().message);
+  }
   if (const std::string why = why_not_adopted(); !why.empty()) return stay(why);
   calibration_.adopted = true;
   calibration_.verdict = "calibrated";
@@ -506,95 +557,6 @@ Result<Calibration> Calibrator::work() {
 }
 
 }  // namespace
-
-void visit_fields(CalibrateOptions& options, FieldVisitor& visitor) {
-  visitor.field({.key = "max_rounds", .unit = "", .help = "of odometry and adjustment", .min = 1, .max = 20},
-                options.max_rounds);
-  visitor.field({.key = "settled_px",
-                 .unit = "px",
-                 .help = "the rounds end where the camera changes by less in the corners",
-                 .min = 0.001,
-                 .max = 10},
-                options.settled_px);
-  visitor.field({.key = "min_turn_deg",
-                 .unit = "deg",
-                 .help = "turning of all drives together, with less nothing is changed",
-                 .min = 0,
-                 .max = 10000},
-                options.min_turn_deg);
-  visitor.field({.key = "max_change_px",
-                 .unit = "px",
-                 .help = "in the corners, beyond which a parameter is at its bound",
-                 .min = 1,
-                 .max = 1000},
-                options.max_change_px);
-  visitor.field({.key = "radial_model_px",
-                 .unit = "px",
-                 .help = "sd in the corners of what the tracker does to the radial coefficient",
-                 .min = 0,
-                 .max = 100},
-                options.radial_model_px);
-  visitor.field({.key = "row_model_px",
-                 .unit = "px",
-                 .help = "sd of what the tracker does to the principal point's row",
-                 .min = 0,
-                 .max = 100},
-                options.row_model_px);
-  visitor.field({.key = "column_model_px",
-                 .unit = "px",
-                 .help = "the same for its column, where that is freed",
-                 .min = 0,
-                 .max = 1000},
-                options.column_model_px);
-  visitor.field({.key = "focal_model",
-                 .unit = "",
-                 .help = "sd of what a drive says of the focal length, as a share of it",
-                 .min = 0,
-                 .max = 1},
-                options.focal_model);
-  visitor.field({.key = "sensitivity",
-                 .unit = "1/100 m/px",
-                 .help = "slope of the scale by the radial coefficient, where one pass says nothing about it",
-                 .min = -10,
-                 .max = -1e-6},
-                options.sensitivity);
-  visitor.field({.key = "sensitivity_sd",
-                 .unit = "1/100 m/px",
-                 .help = "how much that differs from drive to drive",
-                 .min = 1e-6,
-                 .max = 10},
-                options.sensitivity_sd);
-  visitor.field({.key = "turn_px",
-                 .unit = "px",
-                 .help = "sd in the corners of radial coefficient and row, over the root of the turning in degrees",
-                 .min = 0,
-                 .max = 1000},
-                options.turn_px);
-  visitor.field(
-      {.key = "slope_model", .unit = "1/100 m", .help = "sd of the scale's slope that roads add", .min = 0, .max = 1},
-      options.slope_model);
-  visitor.field({.key = "slip_px",
-                 .unit = "px/100 m",
-                 .help = "sd of the slope that tracks add which creep along, times the focal length",
-                 .min = 0,
-                 .max = 1000},
-                options.slip_px);
-  visitor.field({.key = "max_slope",
-                 .unit = "1/100 m",
-                 .help = "of the scale with the new camera, above it is not taken over",
-                 .min = 0,
-                 .max = 1},
-                options.max_slope);
-  visitor.field({.key = "max_disagreement",
-                 .unit = "sd",
-                 .help = "between halves and between the two ways, above a parameter stays",
-                 .min = 1,
-                 .max = 100},
-                options.max_disagreement);
-  visitor.field({.key = "free_focal", .unit = "", .help = "nothing is known of the focal length"}, options.free_focal);
-  visitor.group("views", options.views);
-  visitor.group("batch", options.batch);
-}
 
 Result<Calibration> calibrate(const std::vector<CalibrationDrive>& drives, const CameraSetup& setup,
                               const OdometryOptions& odometry, const CalibrateOptions& options,

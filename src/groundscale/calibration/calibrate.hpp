@@ -8,7 +8,6 @@
 #include "groundscale/calibration/drive_pass.hpp"
 #include "groundscale/calibration/held_out.hpp"
 #include "groundscale/camera/parameters.hpp"
-#include "groundscale/core/options.hpp"
 #include "groundscale/core/result.hpp"
 #include "groundscale/io/camera_file.hpp"
 #include "groundscale/mapping/batch_adjustment.hpp"
@@ -39,8 +38,6 @@ struct CalibrateOptions {
   DriveRecorderOptions views;
   BatchOptions batch;
 };
-
-void visit_fields(CalibrateOptions& options, FieldVisitor& visitor);
 
 /// A parameter, before and after.
 struct CalibratedParameter {

@@ -41,6 +41,8 @@ Result<DrivePass> drive_pass(const CalibrationDrive& drive, const CameraSetup& s
   OdometryOptions options = odometry;
   options.odometry.mode = OdometryMode::kKeyframe;
   options.odometry.scale_correction = ScaleCorrection::kNone;
+  options.camera.refine = CameraRefinement::kNone;  // the pass says what this camera does
+  options.scale.speed.file.clear();                 // which belongs to one drive
   auto made = make_odometry(setup, options);
   if (!made) return made.error();
   Odometry& driven = **made;

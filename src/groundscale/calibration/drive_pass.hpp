@@ -42,7 +42,7 @@ using PassProgress = std::function<void(int frames)>;
 Result<DrivePass> drive_pass(const CalibrationDrive& drive, const CameraSetup& setup, const OdometryOptions& odometry,
                              const DriveRecorderOptions& views, const PassProgress& progress = {}, int max_frames = 0);
 
-/// Median of log(step with `b` / step with `a`) over frames that both measured, less one: by which share lengths
+/// Median of step with `b` / step with `a` over frames that both measured, less one: by which share lengths
 /// change. Nothing where they have fewer than 20 frames in common.
 std::optional<double> length_change(const std::vector<DrivePass>& a, const std::vector<DrivePass>& b);
 

@@ -12,6 +12,7 @@ Result<double> search_focal(const CalibrationDrive& drive, const CameraSetup& se
   constexpr int kFrames = 200;
   std::optional<double> best_px;
   double best_rms_px = 0.0;
+  std::optional<Error> failed;
   for (const double fov_deg : {40.0, 55.0, 70.0, 85.0, 100.0, 120.0}) {
     const double focal_px = 0.5 * setup.camera->width() / std::tan(fov_deg * std::numbers::pi / 360.0);
     const auto camera = with_value(CameraParameter::kFocal, focal_px, *setup.camera);
@@ -22,7 +23,12 @@ Result<double> search_focal(const CalibrationDrive& drive, const CameraSetup& se
       if (progress) progress(fmt::format("a field of view of {:g} degrees", fov_deg), frames);
     };
     const auto pass = drive_pass(drive, tried, odometry, options.views, show, kFrames);
-    if (!pass) return pass.error();
+    if (!pass) {
+      // With this one no road is in view, say; but images that can't be read are the same with all.
+      if (pass.error().code == ErrorCode::kIo) return pass.error();
+      failed = pass.error();
+      continue;
+    }
     const auto result =
         adjust_batch(pass->tracks, *camera, {{CameraParameter::kFocal}, {CameraParameter::kRadial}}, options.batch);
     if (!result) continue;
@@ -31,6 +37,7 @@ Result<double> search_focal(const CalibrationDrive& drive, const CameraSetup& se
     best_rms_px = result->final_rms_px;
   }
   if (best_px) return *best_px;
+  if (failed) return *failed;
   return Error{ErrorCode::kTooFewMatches, "no focal length explains the drive's tracks: --fov gives one to start from"};
 }
 

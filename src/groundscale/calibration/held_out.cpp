@@ -20,6 +20,8 @@ DriveTracks tracks_of(const DriveTracks& drive, bool held_out) {
 
 }  // namespace
 
+DriveTracks without_held_out(const DriveTracks& drive) { return tracks_of(drive, /*held_out=*/false); }
+
 HeldOut compare_held_out(const std::vector<DrivePass>& passes, const CameraPtr& before, const CameraPtr& after,
                          const BatchOptions& options) {
   HeldOut result;

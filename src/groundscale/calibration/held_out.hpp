@@ -10,8 +10,11 @@
 
 namespace groundscale {
 
+/// The drive with the tracks that take part in finding a camera: two of three.
+DriveTracks without_held_out(const DriveTracks& drive);
+
 /// Two cameras judged by every third track of some drives; the others place the views (adjust_batch), for each camera
-/// anew.
+/// anew. Neither camera may have been found with them (without_held_out).
 struct HeldOut {
   double before_px = 0.0;  ///< sqrt(2 mean rho(|error|)), rho = Cauchy: the rms where no error is large.
   double after_px = 0.0;

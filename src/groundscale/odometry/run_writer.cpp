@@ -163,8 +163,11 @@ std::string calibration_verdict(const ScaleSlope& slope) {
   constexpr double kMostSlope = 0.03;  // per 100 m
   constexpr double kCertain = 3.0;     // sd
   const double size = std::abs(slope.per_100m);
-  if (size <= kMostSlope) return "no sign of a wrong calibration";
-  if (size < kCertain * slope.sd_per_100m) return "perhaps a calibration that isn't right; too uncertain to tell";
+  if (size <= kMostSlope && slope.sd_per_100m <= kMostSlope) return "no sign of a wrong calibration";
+  if (size <= kMostSlope) return "too uncertain to say anything about the calibration";
+  if (size < kCertain * slope.sd_per_100m) {
+    return "perhaps a calibration that isn't right, not certain: groundscale calibrate looks closer";
+  }
   return "the calibration looks wrong: groundscale calibrate finds a better one";
 }
 
