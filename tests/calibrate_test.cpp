@@ -13,6 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "bad_input_docs.hpp"
 #include "groundscale/camera/parameters.hpp"
 #include "groundscale/camera/pinhole.hpp"
 #include "groundscale/io/camera_file.hpp"
@@ -337,17 +338,11 @@ TEST_P(CalibrateBadInput, IsRefusedAndNothingIsWritten) {
 }
 
 TEST_P(CalibrateBadInput, IsInTheDocs) {
-  const std::string docs = read_text(std::string(GROUNDSCALE_SOURCE_FOLDER) + "/docs/bad-input.md").value();
-  const std::size_t at = docs.find("| " + GetParam().name + " | " + std::to_string(GetParam().status) + " |");
-  ASSERT_NE(at, std::string::npos) << GetParam().name;
-  EXPECT_THAT(docs.substr(at, docs.find('\n', at) - at), HasSubstr(GetParam().message));
+  expect_in_bad_input_docs(GetParam().name, GetParam().status, GetParam().message);
 }
 
-INSTANTIATE_TEST_SUITE_P(Rows, CalibrateBadInput, testing::ValuesIn(all_rows()), [](const auto& row) {
-  std::string name;
-  for (const char c : row.param.name) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Rows, CalibrateBadInput, testing::ValuesIn(all_rows()),
+                         [](const auto& row) { return test_name_of(row.param.name); });
 
 }  // namespace
 }  // namespace groundscale

@@ -12,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "bad_input_docs.hpp"
 #include "groundscale/io/camera_file.hpp"
 #include "groundscale/io/temp_folder_internal.hpp"
 #include "program.hpp"
@@ -344,17 +345,11 @@ TEST_P(HeightBadInput, IsRefusedAndNothingIsWritten) {
 }
 
 TEST_P(HeightBadInput, IsInTheDocs) {
-  const std::string docs = read_text(std::string(GROUNDSCALE_SOURCE_FOLDER) + "/docs/bad-input.md").value();
-  const std::size_t at = docs.find("| " + GetParam().name + " | " + std::to_string(GetParam().status) + " |");
-  ASSERT_NE(at, std::string::npos) << GetParam().name;
-  EXPECT_THAT(docs.substr(at, docs.find('\n', at) - at), HasSubstr(GetParam().message));
+  expect_in_bad_input_docs(GetParam().name, GetParam().status, GetParam().message);
 }
 
-INSTANTIATE_TEST_SUITE_P(Rows, HeightBadInput, testing::ValuesIn(all_rows()), [](const auto& row) {
-  std::string name;
-  for (const char c : row.param.name) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Rows, HeightBadInput, testing::ValuesIn(all_rows()),
+                         [](const auto& row) { return test_name_of(row.param.name); });
 
 }  // namespace
 }  // namespace groundscale
