@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "groundscale/calibration/focal_search.hpp"
 #include "groundscale/camera/pinhole.hpp"
 #include "groundscale/io/camera_file.hpp"
 
@@ -45,10 +45,6 @@ class NotingSequence : public Sequence {
   std::unique_ptr<Sequence> sequence_;
   std::shared_ptr<std::set<std::string>> warnings_;
 };
-
-double focal_of_view(double fov_deg, int width) {
-  return 0.5 * width / std::tan(0.5 * fov_deg * std::numbers::pi / 180.0);
-}
 
 /// The camera of --camera or the one that lies with the images; of --fov; or none: its focal length is searched for.
 Result<void> choose_start(const CalibrateArguments& a, const SourceArguments& own, const Sequence& sequence,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include <Eigen/LU>
@@ -53,30 +52,13 @@ Combined combined(const std::vector<BatchResult>& results) {
   return {covariance * weighted, covariance};
 }
 
-template <class Keep>
-DriveTracks tracks_of(const DriveTracks& drive, Keep keep) {
-  DriveTracks part{drive.views, {}};
-  std::copy_if(drive.tracks.begin(), drive.tracks.end(), std::back_inserter(part.tracks), keep);
-  return part;
-}
-
-/// The slopes of several drives by their errors.
-std::optional<ScaleSlope> combined_slope(const std::vector<DrivePass>& passes) {
-  ScaleSlope sum;
-  double information = 0.0;
+/// Of those that have one.
+std::optional<ScaleSlope> slope_of_all(const std::vector<DrivePass>& passes) {
+  std::vector<ScaleSlope> lines;
   for (const DrivePass& pass : passes) {
-    if (!pass.slope) continue;
-    constexpr double kLeastSd = 1e-4;
-    const double own = 1.0 / std::pow(std::max(kLeastSd, pass.slope->sd_per_100m), 2);
-    information += own;
-    sum.per_100m += own * pass.slope->per_100m;
-    sum.length_m += pass.slope->length_m;
-    sum.measurements += pass.slope->measurements;
+    if (pass.slope) lines.push_back(*pass.slope);
   }
-  if (!(information > 0.0)) return std::nullopt;
-  sum.per_100m /= information;
-  sum.sd_per_100m = 1.0 / std::sqrt(information);
-  return sum;
+  return combined_slope(std::move(lines));
 }
 
 std::vector<std::optional<ScaleSlope>> slopes_of(const std::vector<DrivePass>& passes) {
@@ -117,7 +99,7 @@ class Calibrator {
   Result<void> fix_by_priors();
   Result<void> find_by_tracks();
   void find_by_slope();
-  Result<void> state_uncertainty();
+  void state_uncertainty();
   double model_of(std::size_t j, double share) const;
   std::string why_refused(std::size_t j) const;
   Result<void> take_over();
@@ -128,6 +110,7 @@ class Calibrator {
   std::string why_not_adopted() const;
   Calibration stay(std::string why);
   CameraPtr camera_with(const Eigen::VectorXd& values) const;
+  Eigen::VectorXd values_found() const;  ///< Of the parameters, as they come out.
   double present(std::size_t j) const { return value_of(freed_[j].parameter, *camera_); }
 
   const std::vector<CalibrationDrive>& drives_;
@@ -186,6 +169,14 @@ CameraPtr Calibrator::camera_with(const Eigen::VectorXd& values) const {
   return camera;
 }
 
+Eigen::VectorXd Calibrator::values_found() const {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(freed_.size()));
+  for (std::size_t j = 0; j < freed_.size(); ++j) {
+    values(static_cast<Eigen::Index>(j)) = calibration_.parameters[j].after;
+  }
+  return values;
+}
+
 Result<void> Calibrator::pass() {
   passes_.clear();
   CameraSetup setup = setup_;
@@ -200,7 +191,7 @@ Result<void> Calibrator::pass() {
     done += pass->frames;
     passes_.push_back(std::move(*pass));
   }
-  if (const auto slope = combined_slope(passes_)) slopes_.push_back({present(kRadial), *slope});
+  if (const auto slope = slope_of_all(passes_)) slopes_.push_back({present(kRadial), *slope});
   return {};
 }
 
@@ -327,7 +318,7 @@ double Calibrator::model_of(std::size_t j, double share) const {
 }
 
 /// Sandwich, halves of the tracks and of the drive, and the tracker's part.
-Result<void> Calibrator::state_uncertainty() {
+void Calibrator::state_uncertainty() {
   say("halves of the tracks and of the drive");
   const auto size = static_cast<Eigen::Index>(freed_.size());
   Eigen::VectorXd squares = by_tracks_.covariance.diagonal();
@@ -359,7 +350,6 @@ Result<void> Calibrator::state_uncertainty() {
                             ? fmt::format("halves of the data are {:.1f} standard deviations apart", worst(j))
                             : std::string());
   }
-  return {};
 }
 
 /// @return Why parameter j stays as it was; empty where it may change.
@@ -404,11 +394,7 @@ Result<void> Calibrator::take_over() {
   if (calibration_.parameters[kRow].reason.empty()) {
     if (const auto done = adjust_row(); !done) return done;
   }
-  Eigen::VectorXd values(static_cast<Eigen::Index>(freed_.size()));
-  for (std::size_t j = 0; j < freed_.size(); ++j) {
-    values(static_cast<Eigen::Index>(j)) = calibration_.parameters[j].after;
-  }
-  camera_ = camera_with(values);
+  camera_ = camera_with(values_found());
   if (!camera_) return Error{ErrorCode::kNotConverged, "what comes out is no camera"};
   return {};
 }
@@ -417,11 +403,7 @@ Result<void> Calibrator::take_over() {
 Result<void> Calibrator::adjust_row() {
   say("adjusting the row");
   CalibratedParameter& row = calibration_.parameters[kRow];
-  Eigen::VectorXd values(static_cast<Eigen::Index>(freed_.size()));
-  for (std::size_t j = 0; j < freed_.size(); ++j) {
-    values(static_cast<Eigen::Index>(j)) = calibration_.parameters[j].after;
-  }
-  camera_ = camera_with(values);
+  camera_ = camera_with(values_found());
   if (!camera_) return Error{ErrorCode::kNotConverged, "the drift of the scale asks for a camera that can't be"};
   const auto results = adjust({all_[kRow]});
   if (!results) return results.error();
@@ -437,9 +419,7 @@ CameraPtr Calibrator::camera_without_held_out() {
   const CameraPtr found = camera_;
   std::vector<DriveTracks> all;
   for (DrivePass& pass : passes_) all.push_back(std::exchange(pass.tracks, without_held_out(pass.tracks)));
-  Eigen::VectorXd values(static_cast<Eigen::Index>(freed_.size()));
-  for (std::size_t j = 0; j < freed_.size(); ++j)
-    values(static_cast<Eigen::Index>(j)) = calibration_.parameters[j].after;
+  Eigen::VectorXd values = values_found();
   CameraPtr without;
   if (const auto both = adjust(all_)) {
     const Combined fewer = combined(*both);
@@ -469,7 +449,7 @@ Result<void> Calibrator::check() {
   const CameraPtr found = camera_without_held_out();
   if (found != nullptr) calibration_.held_out = compare_held_out(passes_, setup_.camera, found, options_.batch);
   if (const auto done = pass(); !done) return done;
-  calibration_.slope_after = combined_slope(passes_);
+  calibration_.slope_after = slope_of_all(passes_);
   calibration_.slopes_after = slopes_of(passes_);
   calibration_.length_change = length_change(first_, passes_);
   return {};
@@ -504,7 +484,7 @@ Calibration Calibrator::stay(std::string why) {
 Result<void> Calibrator::find_and_check() {
   if (const auto done = find_by_tracks(); !done) return done;
   find_by_slope();
-  if (const auto done = state_uncertainty(); !done) return done;
+  state_uncertainty();
   calibration_.radial_by_tracks = {by_tracks_.values(kRadial), sds_[kRadial]};
   calibration_.radial_by_slope = by_slope_;
   if (const auto done = take_over(); !done) return done;
@@ -516,7 +496,7 @@ Result<Calibration> Calibrator::work() {
   first_ = passes_;
   calibration_.odometry_s = seconds_since(begin_);
   calibration_.setup = setup_;
-  calibration_.slope_before = combined_slope(passes_);
+  calibration_.slope_before = slope_of_all(passes_);
   calibration_.slopes_before = slopes_of(passes_);
   for (const DrivePass& pass : passes_) {
     calibration_.turned_deg += pass.turned_deg;

@@ -7,6 +7,10 @@
 
 namespace groundscale {
 
+double focal_of_view(double fov_deg, int width) {
+  return 0.5 * width / std::tan(0.5 * fov_deg * std::numbers::pi / 180.0);
+}
+
 Result<double> search_focal(const CalibrationDrive& drive, const CameraSetup& setup, const OdometryOptions& odometry,
                             const CalibrateOptions& options, const CalibrateProgress& progress) {
   constexpr int kFrames = 200;
@@ -14,7 +18,7 @@ Result<double> search_focal(const CalibrationDrive& drive, const CameraSetup& se
   double best_rms_px = 0.0;
   std::optional<Error> failed;
   for (const double fov_deg : {40.0, 55.0, 70.0, 85.0, 100.0, 120.0}) {
-    const double focal_px = 0.5 * setup.camera->width() / std::tan(fov_deg * std::numbers::pi / 360.0);
+    const double focal_px = focal_of_view(fov_deg, setup.camera->width());
     const auto camera = with_value(CameraParameter::kFocal, focal_px, *setup.camera);
     if (!camera) return camera.error();
     CameraSetup tried = setup;

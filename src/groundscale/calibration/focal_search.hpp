@@ -4,6 +4,9 @@
 
 namespace groundscale {
 
+/// Focal length in px of a pinhole that sees so many degrees from left to right.
+double focal_of_view(double fov_deg, int width);
+
 /// Focal length of a pinhole of which nothing is known, in px: the one with which a drive's tracks fit best.
 ///
 /// Fields of view from 40 to 120 degrees are tried on the drive's first frames: odometry, then a batch adjustment that

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
+#include <functional>
 #include <utility>
 
 namespace groundscale {
@@ -11,16 +11,9 @@ namespace {
 
 bool takes_part(const DriveTracks::Track& track) { return track.id % 3 != 0; }
 
-DriveTracks tracks_of(const DriveTracks& drive, bool held_out) {
-  DriveTracks part{drive.views, {}};
-  std::copy_if(drive.tracks.begin(), drive.tracks.end(), std::back_inserter(part.tracks),
-               [held_out](const DriveTracks::Track& track) { return takes_part(track) != held_out; });
-  return part;
-}
-
 }  // namespace
 
-DriveTracks without_held_out(const DriveTracks& drive) { return tracks_of(drive, /*held_out=*/false); }
+DriveTracks without_held_out(const DriveTracks& drive) { return tracks_of(drive, takes_part); }
 
 HeldOut compare_held_out(const std::vector<DrivePass>& passes, const CameraPtr& before, const CameraPtr& after,
                          const BatchOptions& options) {
@@ -28,11 +21,11 @@ HeldOut compare_held_out(const std::vector<DrivePass>& passes, const CameraPtr& 
   std::array<double, 2> sums{};
   int sights = 0;
   for (const DrivePass& pass : passes) {
-    const DriveTracks rest = tracks_of(pass.tracks, /*held_out=*/true);
+    const DriveTracks rest = tracks_of(pass.tracks, std::not_fn(takes_part));
     std::array<std::vector<TrackError>, 2> errors;
     for (const std::size_t which : {0, 1}) {
       const CameraPtr& camera = which == 0 ? before : after;
-      const auto poses = adjust_batch(tracks_of(pass.tracks, /*held_out=*/false), camera, {}, options);
+      const auto poses = adjust_batch(without_held_out(pass.tracks), camera, {}, options);
       if (!poses) continue;
       errors[which] = reprojection_errors(rest, poses->cam_from_world, *camera, options);
       auto& map = which == 0 ? result.residuals_before : result.residuals_after;

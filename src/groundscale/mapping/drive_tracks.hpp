@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <iterator>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,5 +28,13 @@ struct DriveTracks {
   std::vector<View> views;    ///< Frames ascending.
   std::vector<Track> tracks;  ///< Ids ascending.
 };
+
+/// The drive with the tracks alone that `keep` says.
+template <class Keep>
+DriveTracks tracks_of(const DriveTracks& drive, Keep keep) {
+  DriveTracks part{drive.views, {}};
+  std::copy_if(drive.tracks.begin(), drive.tracks.end(), std::back_inserter(part.tracks), keep);
+  return part;
+}
 
 }  // namespace groundscale

@@ -74,7 +74,6 @@ void CameraRefiner::add(const Placed& placed, const std::vector<TrackPoint>& tra
 void CameraRefiner::close_window() {
   const double turned = turned_deg(world_from_cam_m_);
   if (turned < options_.min_turn_deg) return;
-  seen_turn_ = true;
   ask_tracks(turned);
   ask_slope();
   combine(radial_);
@@ -115,7 +114,6 @@ void CameraRefiner::combine(State& state) const {
 }
 
 std::optional<CameraPtr> CameraRefiner::next() {
-  if (!seen_turn_) return std::nullopt;
   const double change_px =
       std::max(std::abs(radial_.value_px - applied_px(radial_)), std::abs(row_.value_px - applied_px(row_)));
   if (change_px < options_.least_change_px) return std::nullopt;

@@ -98,7 +98,6 @@ class CameraRefiner {
   CameraRefineOptions options_;
   CameraPtr start_camera_, camera_;
   State radial_, row_;
-  bool seen_turn_ = false;
 
   // The window:
   DriveRecorder recorder_;

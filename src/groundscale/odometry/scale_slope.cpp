@@ -120,31 +120,39 @@ Result<ScaleSlope> fit_scale_slope(std::vector<ScaleSlope::Sample> samples) {
   return result;
 }
 
-Result<ScaleSlope> scale_slope(const std::vector<FrameResult>& results, const std::vector<ScaleEvent>& scaled) {
-  std::optional<ScaleSlope> longest;
+std::optional<ScaleSlope> combined_slope(std::vector<ScaleSlope> lines) {
+  if (lines.empty()) return std::nullopt;
   double information = 0.0, weighted = 0.0, length_m = 0.0;
   int measurements = 0;
+  std::size_t longest = 0;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    constexpr double kLeastSd = 1e-4;
+    const double own = 1.0 / std::pow(std::max(kLeastSd, lines[k].sd_per_100m), 2);
+    information += own;
+    weighted += own * lines[k].per_100m;
+    length_m += lines[k].length_m;
+    measurements += lines[k].measurements;
+    if (lines[k].length_m > lines[longest].length_m) longest = k;
+  }
+  ScaleSlope sum = std::move(lines[longest]);
+  sum.per_100m = weighted / information;
+  sum.sd_per_100m = 1.0 / std::sqrt(information);
+  sum.length_m = length_m;
+  sum.measurements = measurements;
+  return sum;
+}
+
+Result<ScaleSlope> scale_slope(const std::vector<FrameResult>& results, const std::vector<ScaleEvent>& scaled) {
+  std::vector<ScaleSlope> lines;
   Error failed;
   for (std::vector<Sample>& samples : samples_of(results, scaled)) {
-    auto slope = fit_scale_slope(std::move(samples));
-    if (!slope) {
-      failed = slope.error();
-      continue;
-    }
-    constexpr double kLeastSd = 1e-4;
-    const double own = 1.0 / std::pow(std::max(kLeastSd, slope->sd_per_100m), 2);
-    information += own;
-    weighted += own * slope->per_100m;
-    length_m += slope->length_m;
-    measurements += slope->measurements;
-    if (!longest || slope->length_m > longest->length_m) longest = std::move(*slope);
+    auto line = fit_scale_slope(std::move(samples));
+    if (line) lines.push_back(std::move(*line));
+    if (!line) failed = line.error();
   }
-  if (!longest) return failed;
-  longest->per_100m = weighted / information;
-  longest->sd_per_100m = 1.0 / std::sqrt(information);
-  longest->length_m = length_m;
-  longest->measurements = measurements;
-  return *longest;
+  auto sum = combined_slope(std::move(lines));
+  if (!sum) return failed;
+  return std::move(*sum);
 }
 
 }  // namespace groundscale

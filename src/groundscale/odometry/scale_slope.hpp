@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "groundscale/core/result.hpp"
@@ -27,6 +28,10 @@ struct ScaleSlope {
 /// A straight line through measurements by Cauchy-weighted least squares, each by its sd.
 /// @param samples  Distances ascending. @return kTooFewMatches below 30 m or 20 measurements.
 Result<ScaleSlope> fit_scale_slope(std::vector<ScaleSlope::Sample> samples);
+
+/// Several lines of one odometry: slopes by their sds, lengths and measurements together; samples and level are those
+/// of the longest. Nothing where there are none.
+std::optional<ScaleSlope> combined_slope(std::vector<ScaleSlope> lines);
 
 /// Slope of y = -log(the ground's metres per unit of the map) over the driven distance, whatever scale is held
 /// meanwhile (fit_scale_slope). Its measurements have larger sds in turns. Where one map ends and another begins, or a
