@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "groundscale/road/ground_methods.hpp"
+
 namespace groundscale {
 
 void visit_fields(PairOptions& options, FieldVisitor& visitor) {
@@ -19,7 +21,8 @@ void visit_fields(PairOptions& options, FieldVisitor& visitor) {
 }
 
 void visit_fields(GroundOptions& options, FieldVisitor& visitor) {
-  visitor.field({.key = "method", .unit = "", .help = "how the plane is measured: sparse"}, options.method);
+  static const std::string kMethodHelp = "how the plane of two views is measured: " + ground_method_names();
+  visitor.field({.key = "method", .unit = "", .help = kMethodHelp}, options.method);
   visitor.group("plane", options.plane);
   visitor.group("gates", options.gates);
   visit_fields(options.filter, visitor);
@@ -146,11 +149,9 @@ Result<void> check_strip(std::string_view group, const StripOptions& strip) {
 
 Result<void> OdometryOptions::validate() const {
   if (const auto ranges = check_ranges(*this); !ranges) return ranges;
-  if (find_plane_method(ground.method) == nullptr) {
-    std::string known;
-    for (const PlaneMethod& method : plane_methods()) known += (known.empty() ? "" : ", ") + std::string(method.name);
+  if (find_ground_method(ground.method) == nullptr) {
     return Error{ErrorCode::kBadInput,
-                 fmt::format("ground.method: \"{}\" is unknown, known: {}", ground.method, known)};
+                 fmt::format("ground.method: \"{}\" is unknown, known: {}", ground.method, ground_method_names())};
   }
   if (const auto strip = check_strip("road.region", road.region); !strip) return strip;
   if (const auto strip = check_strip("keyframe.region", keyframe.region); !strip) return strip;

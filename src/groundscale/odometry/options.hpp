@@ -29,7 +29,7 @@ struct PairOptions {
 void visit_fields(PairOptions& options, FieldVisitor& visitor);
 
 struct GroundOptions {
-  std::string method = "sparse";  ///< A name of `plane_methods`.
+  std::string method = "sparse";  ///< A name of `ground_methods`.
   PlaneOptions plane;
   GateOptions gates;
   GroundFilterOptions filter;

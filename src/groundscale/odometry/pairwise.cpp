@@ -11,6 +11,7 @@
 #include "groundscale/geometry/so3.hpp"
 #include "groundscale/io/speed_file.hpp"
 #include "groundscale/odometry/pose_chain.hpp"
+#include "groundscale/road/ground_methods.hpp"
 
 namespace groundscale {
 namespace {
@@ -85,7 +86,8 @@ PairwiseOdometry::PairwiseOdometry(const CameraSetup& setup, const OdometryOptio
       camera_height_m_(*setup.height_m),
       tracking_mask_(allowed_of(setup.vehicle_mask)),
       options_(options),
-      estimate_plane_(find_plane_method(options.ground.method)->estimate),
+      refine_warp_(make_memoryless<estimate_plane_sparse>(options.ground.plane)),
+      estimate_plane_(find_ground_method(options.ground.method)->make(options.ground.plane)),
       rng_(static_cast<std::uint64_t>(options.seed)),
       tracker_(options.tracking),
       road_matcher_(options.road.tracking),

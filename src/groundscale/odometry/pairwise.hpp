@@ -90,7 +90,8 @@ class PairwiseOdometry final : public Odometry {
   double step_from_structure(const Pair& pair, GroundStep& step) const;
   std::optional<Measured> measure_road(const Pair& pair, double expected_distance_m, FrameResult& result,
                                        const Frame& frame);
-  Result<PlaneMeasurement> measure_plane(const Pair& pair, const RoadWarp& warp);
+  Result<PlaneMeasurement> measure_plane(const EstimatePlane& method, const Pair& pair, const RoadWarp& warp,
+                                         const Image& image);
   DrivenPath path_of(const RoadWarp& warp) const;
   RoadWarp expected_warp(const Pair& pair, double expected_distance_m) const;
   bool needs_search() const;
@@ -115,7 +116,8 @@ class PairwiseOdometry final : public Odometry {
   double camera_height_m_;
   Image tracking_mask_;
   OdometryOptions options_;
-  EstimatePlane estimate_plane_;
+  EstimatePlane refine_warp_;     ///< Whatever the method: what it measures from mustn't depend on it.
+  EstimatePlane estimate_plane_;  ///< The method that the options name.
   Rng rng_;
   Tracker tracker_;
   TrackedPoints tracked_;  ///< Of the present frame.

@@ -29,6 +29,19 @@ RoadObservations observations_of(const Matches& matches, const CameraPtr& camera
   return observations;
 }
 
+/// Points of the pair over the whole image that agree with its motion.
+std::vector<ScenePoint> scene_of(const Pair& pair) {
+  std::vector<ScenePoint> scene;
+  scene.reserve(pair.motion.inliers.size());
+  auto match = pair.matches.begin();
+  for (const int i : pair.motion.inliers) {
+    const TrackId id = pair.rays[static_cast<std::size_t>(i)].id;
+    match = std::find_if(match, pair.matches.end(), [id](const Match& other) { return other.id == id; });
+    scene.push_back({match->pixel1, match->pixel2});
+  }
+  return scene;
+}
+
 }  // namespace
 
 bool PairwiseOdometry::needs_search() const {
@@ -57,14 +70,19 @@ DrivenPath PairwiseOdometry::path_of(const RoadWarp& warp) const {
   return path;
 }
 
-Result<PlaneMeasurement> PairwiseOdometry::measure_plane(const Pair& pair, const RoadWarp& warp) {
+Result<PlaneMeasurement> PairwiseOdometry::measure_plane(const EstimatePlane& method, const Pair& pair,
+                                                         const RoadWarp& warp, const Image& image) {
   clock_.lap("road tracking");
   RoadObservations observations =
       observations_of(road_matches_, camera_, pair.motion, path_of(warp), warp.road_in_cam1, options_.road.region);
   observations.expected_normal = mounting_.mean_normal();
-  PlaneOptions plane_options = options_.ground.plane;
-  if (!mounting_.settled()) plane_options.normal_prior_deg *= options_.ground.unsettled_prior_factor;
-  auto plane = estimate_plane_(observations, plane_options, rng_);
+  if (!mounting_.settled()) observations.normal_prior_factor = options_.ground.unsettled_prior_factor;
+  observations.predicted_plane = {warp.road_in_cam1.normal_in_cam,
+                                  warp.road_in_cam1.height / warp.cam2_from_cam1.translation.norm()};
+  observations.scene = scene_of(pair);
+  observations.images = {pair.partner->road.image, image};
+  observations.region = details_.region;
+  auto plane = method(observations, rng_);
   clock_.lap("plane");
   return plane;
 }
@@ -95,14 +113,14 @@ std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const P
   // Warp, track, refine the plane, and the same again with the better warp (bias and spread halve).
   const RoadView& partner = pair.partner->road;
   road_matches_ = road_matcher_.match_roughly(partner, frame.image, warp, *camera_);
-  Result<PlaneMeasurement> plane = measure_plane(pair, warp);
+  Result<PlaneMeasurement> plane = measure_plane(refine_warp_, pair, warp, frame.image);
   if (plane) {
     const double distance_m = camera_height_m_ / plane->plane.height;
     warp.cam2_from_cam1.translation = distance_m * pair.motion.cam2_from_cam1.translation;
     warp.road_in_cam1 = {plane->plane.normal_in_cam, camera_height_m_};
   }
   road_matches_ = road_matcher_.match(partner, frame.image, warp, plane.has_value(), *camera_);
-  plane = measure_plane(pair, warp);
+  plane = measure_plane(estimate_plane_, pair, warp, frame.image);
   result.road_matches = static_cast<int>(road_matches_.size());
   details_.road_matches = road_matches_;
   details_.road = warp.road_in_cam1;

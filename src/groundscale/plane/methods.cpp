@@ -12,16 +12,9 @@ std::vector<std::string_view> names_of<PlaneRefinement>() {
 std::span<const PlaneMethod> plane_methods() {
   static constexpr std::array kMethods{
       PlaneMethod{"sparse", "symmetric homography transfer error of sparse matches (Zhou, Dai, Li 2019)",
-                  estimate_plane_sparse},
+                  make_memoryless<estimate_plane_sparse>},
   };
   return kMethods;
-}
-
-const PlaneMethod* find_plane_method(std::string_view name) {
-  for (const PlaneMethod& method : plane_methods()) {
-    if (method.name == name) return &method;
-  }
-  return nullptr;
 }
 
 void visit_fields(PlaneOptions& options, FieldVisitor& visitor) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -41,20 +43,29 @@ struct PlaneMeasurement {
   Eigen::Matrix3d covariance_of_m = Eigen::Matrix3d::Zero();
   std::vector<int> inliers;  ///< Indices of the points that lie on the plane, ascending.
   double rms_px = 0.0;       ///< Transfer error of the inliers, one way.
+  /// cam2_from_cam1 with |t| = 1 from the road alone, of methods that don't take it as given.
+  std::optional<RigidTransform> motion{};
 };
 
-/// A way to measure the plane that needs no pixels. Adding one is one row in the table of `plane_methods`.
-using EstimatePlane = Result<PlaneMeasurement> (*)(const RoadObservations& observations, const PlaneOptions& options,
-                                                   Rng& rng);
+/// Measures the plane in a pair of views, or more. One object a drive, handed its frames in their order: a method may
+/// remember what it saw.
+using EstimatePlane = std::function<Result<PlaneMeasurement>(const RoadObservations& observations, Rng& rng)>;
+
+/// A way to measure the plane, under the name that `ground.method` knows it by.
 struct PlaneMethod {
   std::string_view name;
   std::string_view summary;
-  EstimatePlane estimate;
+  EstimatePlane (*make)(const PlaneOptions& options);
 };
-std::span<const PlaneMethod> plane_methods();
 
-/// The method of that name, null where there is none.
-const PlaneMethod* find_plane_method(std::string_view name);
+/// `make` of a method that is a function of one frame.
+template <Result<PlaneMeasurement> (*estimate)(const RoadObservations&, const PlaneOptions&, Rng&)>
+EstimatePlane make_memoryless(const PlaneOptions& options) {
+  return [options](const RoadObservations& observations, Rng& rng) { return estimate(observations, options, rng); };
+}
+
+/// The methods that need no pixels; `ground_methods` in road/ has all. Adding one is one row in this table.
+std::span<const PlaneMethod> plane_methods();
 
 /// The paper's method (Zhou, Dai, Li 2019, Algorithm 1, steps 2 to 4): homography by RANSAC on the points that agree
 /// with the motion, linear start of m = n / h over all nine of its entries, then m alone by the symmetric transfer

@@ -20,7 +20,7 @@ struct NormalEquations {
 /// Weight of |n - expected|^2 / 2 beside the sum of transfer errors, forward and backward; 0 without a prior.
 double prior_weight(const RoadObservations& observations, const PlaneOptions& options) {
   if (observations.expected_normal.isZero() || options.normal_prior_deg <= 0.0) return 0.0;
-  const double sd_rad = options.normal_prior_deg * std::numbers::pi / 180.0;
+  const double sd_rad = observations.normal_prior_factor * options.normal_prior_deg * std::numbers::pi / 180.0;
   return 2.0 * options.point_sd_px * options.point_sd_px / (sd_rad * sd_rad);
 }
 

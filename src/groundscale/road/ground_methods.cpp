@@ -1,0 +1,30 @@
+#include "groundscale/road/ground_methods.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
+namespace groundscale {
+
+std::span<const PlaneMethod> ground_methods() {
+  static const std::vector<PlaneMethod> kMethods = [] {
+    const std::span<const PlaneMethod> of_points = plane_methods();
+    return std::vector<PlaneMethod>(of_points.begin(), of_points.end());
+  }();
+  return kMethods;
+}
+
+const PlaneMethod* find_ground_method(std::string_view name) {
+  const std::span<const PlaneMethod> methods = ground_methods();
+  const auto found =
+      std::find_if(methods.begin(), methods.end(), [name](const PlaneMethod& method) { return method.name == name; });
+  return found == methods.end() ? nullptr : &*found;
+}
+
+std::string ground_method_names() {
+  std::string names;
+  for (const PlaneMethod& method : ground_methods()) names += (names.empty() ? "" : ", ") + std::string(method.name);
+  return names;
+}
+
+}  // namespace groundscale
