@@ -25,6 +25,7 @@ int report_failure(const Error& error);
 // names it, it does the work and leaves its status in `exit_status`. Results go to stdout, all else to stderr.
 void add_run(CLI::App& app, int& exit_status);
 void add_evaluate(CLI::App& app, int& exit_status);
+void add_report(CLI::App& app, int& exit_status);
 void add_calibrate(CLI::App& app, int& exit_status);
 void add_height(CLI::App& app, int& exit_status);
 void add_config(CLI::App& app, int& exit_status);
