@@ -44,60 +44,56 @@ std::vector<ScenePoint> scene_of(const Pair& pair) {
 
 }  // namespace
 
-bool PairwiseOdometry::needs_search() const {
-  const bool after_loss = !results_.empty() && results_.back().state == FrameState::kLost;
-  return !scaled_ || after_loss || (refused_in_a_row_ > 0 && refused_in_a_row_ % options_.ground.search_after == 0);
-}
-
-RoadWarp PairwiseOdometry::expected_warp(const Pair& pair, double expected_distance_m) const {
-  RoadWarp warp;
-  warp.cam2_from_cam1 = {pair.motion.cam2_from_cam1.rotation,
-                         expected_distance_m * pair.motion.cam2_from_cam1.translation};
-  warp.road_in_cam1 = {mounting_.mean_normal(), camera_height_m_};
-  if (filter_->started()) {
-    const GroundState state = filter_->state();
-    const Eigen::Vector3d normal = state.normal_in_cam();
-    warp.road_in_cam1.normal_in_cam =
-        options_.ground.follow_rotation ? Eigen::Vector3d(warp.cam2_from_cam1.rotation.transpose() * normal) : normal;
+RoadMeasurement road_measurement(PlaneMeasurement plane, const RoadSights& sights) {
+  RoadMeasurement measured;
+  measured.curvature_per_m = sights.curvature_per_m;
+  for (const int i : plane.inliers) {
+    const RoadPoint& point = sights.observations.points[static_cast<std::size_t>(i)];
+    const auto ray = sights.observations.camera->ray(point.pixel_in_reference);
+    if (ray) measured.inlier_rays.push_back(*ray);
   }
-  return warp;
+  measured.plane = std::move(plane);
+  return measured;
 }
 
 DrivenPath PairwiseOdometry::path_of(const RoadWarp& warp) const {
-  DrivenPath path =
-      path_of_motion(warp.cam2_from_cam1, warp.road_in_cam1.normal_in_cam, mounting_.mounting().forward_in_cam());
+  DrivenPath path = path_of_motion(warp.cam2_from_cam1, warp.road_in_cam1.normal_in_cam, mounting().forward_in_cam());
   path.max_turn_rad = options_.road.region.max_turn_deg * std::numbers::pi / 180.0;
   return path;
 }
 
+/// What the present road matches say of the plane.
 Result<PlaneMeasurement> PairwiseOdometry::measure_plane(const EstimatePlane& method, const Pair& pair,
                                                          const RoadWarp& warp, const Image& image) {
   clock_.lap("road tracking");
+  const DrivenPath path = path_of(warp);
   RoadObservations observations =
-      observations_of(road_matches_, camera_, pair.motion, path_of(warp), warp.road_in_cam1, options_.road.region);
-  observations.expected_normal = mounting_.mean_normal();
-  if (!mounting_.settled()) observations.normal_prior_factor = options_.ground.unsettled_prior_factor;
+      observations_of(road_matches_, camera_, pair.motion, path, warp.road_in_cam1, options_.road.region);
+  const MountingEstimate& mounting = chain_.mounting();
+  observations.expected_normal = mounting.mean_normal();
+  if (!mounting.settled()) observations.normal_prior_factor = options_.ground.unsettled_prior_factor;
   observations.predicted_plane = {warp.road_in_cam1.normal_in_cam,
                                   warp.road_in_cam1.height / warp.cam2_from_cam1.translation.norm()};
   observations.scene = scene_of(pair);
-  observations.images = {pair.partner->road.image, image};
+  observations.images = {pair.view->road.image, image};
   observations.region = details_.region;
-  auto plane = method(observations, rng_);
+  road_ = {std::move(observations), path.curvature_per_m};
+  auto plane = method(road_->observations, rng_);
   clock_.lap("plane");
   return plane;
 }
 
-std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const Pair& pair, double expected_distance_m,
-                                                                         FrameResult& result, const Frame& frame) {
-  RoadWarp warp = expected_warp(pair, expected_distance_m);
+Result<RoadMeasurement> PairwiseOdometry::measure_road(const Pair& pair, double expected_distance_m,
+                                                       FrameResult& result, const Frame& frame) {
+  RoadWarp warp = chain_.expected_warp(pair.motion.cam2_from_cam1, expected_distance_m);
+  RoadView& partner = pair.view->road;
   const auto region_of = [&](const RoadWarp& expected) {
     const Image strip = region_mask(path_of(expected), expected.road_in_cam1, *camera_, options_.road.region);
-    return restrict_region(restrict_region(strip, tracking_mask_), pair.partner->road_mask);
+    return restrict_region(restrict_region(strip, tracking_mask_), pair.view->road_mask);
   };
   Image region = region_of(warp);
-  if (needs_search()) {
-    const WarpSearch found =
-        search_warp(pair.partner->road.image, frame.image, region, warp, *camera_, options_.road.search);
+  if (chain_.needs_search()) {
+    const WarpSearch found = search_warp(partner.image, frame.image, region, warp, *camera_, options_.road.search);
     constexpr double kMinCorrelation = 0.3;
     if (found.correlation > kMinCorrelation) {
       warp = found.warp;
@@ -105,13 +101,12 @@ std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const P
     }
   }
   clock_.lap("region");
-  road_matcher_.fill(pair.partner->road, region);
+  road_matcher_.fill(partner, region);
   clock_.lap("road detection");
   details_.region = region;
-  details_.reference_image = pair.partner->road.image;
+  details_.reference_image = partner.image;
 
   // Warp, track, refine the plane, and the same again with the better warp (bias and spread halve).
-  const RoadView& partner = pair.partner->road;
   road_matches_ = road_matcher_.match_roughly(partner, frame.image, warp, *camera_);
   Result<PlaneMeasurement> plane = measure_plane(refine_warp_, pair, warp, frame.image);
   if (plane) {
@@ -126,54 +121,11 @@ std::optional<PairwiseOdometry::Measured> PairwiseOdometry::measure_road(const P
   details_.road = warp.road_in_cam1;
   details_.path = path_of(warp);
   details_.cam_from_reference = warp.cam2_from_cam1;
-  if (!plane) {
-    result.reason = plane.error().message;
-    return std::nullopt;
-  }
+  if (!plane) return plane.error();
   result.road_inliers = static_cast<int>(plane->inliers.size());
   result.road_rms_px = plane->rms_px;
   details_.road_inliers = plane->inliers;
-
-  const PlaneAngles in_partner = plane_angles(plane->plane.normal_in_cam);
-  result.pitch_rad = in_partner.pitch_rad;
-  result.roll_rad = in_partner.roll_rad;
-  Measured measured;
-  measured.observation = observation_of(plane->plane, plane->covariance_of_m, camera_height_m_);
-  measured.refusal = judge(pair, *plane, measured.observation, expected_distance_m, time_since_last(frame));
-  if (options_.ground.follow_rotation) {
-    const PlaneAngles now = plane_angles(pair.motion.cam2_from_cam1.rotation * plane->plane.normal_in_cam);
-    measured.observation.pitch_rad = now.pitch_rad;
-    measured.observation.roll_rad = now.roll_rad;
-  }
-  return measured;
-}
-
-std::string PairwiseOdometry::judge(const Pair& pair, const PlaneMeasurement& plane,
-                                    const GroundObservation& observation, double expected_distance_m,
-                                    double step_time_s) const {
-  GateContext context;
-  context.mounting_normal = mounting_.mounting().normal_in_cam();
-  context.mounting_settled = mounting_.settled();
-  context.mean_normal = mounting_.mean_normal();
-  context.filter_started = filter_->started() && ground_seen_;
-  context.expected_distance_m = expected_distance_m;
-  context.expected_log_sd = filter_->started() ? filter_->state().log_speed_sd : 0.0;
-  context.step_time_s = step_time_s;
-  context.pair_time_s = step_time_s + results_.back().time_s - pair.partner->time_s;
-  GateCandidate candidate;
-  candidate.initial_plane = plane.initial_plane;
-  candidate.plane = plane.plane;
-  for (const int i : plane.inliers) {
-    const auto ray = camera_->ray(road_matches_[static_cast<std::size_t>(i)].pixel1);
-    if (ray) candidate.inlier_rays.push_back(*ray);
-  }
-  candidate.distance_m = std::exp(observation.log_distance);
-  candidate.log_sd = enlarged_log_sd(observation);
-  return refusal(candidate, context, options_.ground.gates);
-}
-
-double PairwiseOdometry::enlarged_log_sd(const GroundObservation& observation) const {
-  return std::sqrt(options_.ground.filter.formal_variance_factor * observation.covariance(2, 2));
+  return road_measurement(std::move(*plane), *road_);
 }
 
 }  // namespace groundscale

@@ -20,12 +20,17 @@ struct View {
   Image road_mask;  ///< Of this image: 0 where a detector saw no road; empty: no detector.
 };
 
-/// A frame and the earlier one that it is measured against.
-struct Pair {
-  View* partner = nullptr;
-  Matches matches;
-  std::vector<RayPair> rays;
+/// How a frame's camera moved since an earlier frame's.
+struct PairMotion {
+  int partner = 0;            ///< Index of the earlier frame's result.
+  std::vector<RayPair> rays;  ///< Matches over the whole image.
   TwoViewMotion motion;
+};
+
+/// A frame and the earlier one that it is measured against.
+struct Pair : PairMotion {
+  View* view = nullptr;  ///< The earlier one.
+  Matches matches;
 };
 
 /// The latest views, and the choice of a partner among them.

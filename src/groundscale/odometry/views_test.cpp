@@ -34,7 +34,7 @@ TEST(Views, SayStillWhereThePointsStayed) {
   views.push(view_at(1, 1.0));
   const Pair pair = views.pair_with(seen_after(1.0), *camera());
   EXPECT_EQ(pair.motion.state, MotionState::kStill);
-  EXPECT_EQ(pair.partner->result, 1);
+  EXPECT_EQ(pair.view->result, 1);
 }
 
 TEST(Views, PairWithTheLatestViewThatHasEnoughParallax) {
@@ -44,7 +44,7 @@ TEST(Views, PairWithTheLatestViewThatHasEnoughParallax) {
   views.push(view_at(2, 1.9));
   // 0.1 m moves points by about a pixel, 1 m by ten.
   const Pair pair = views.pair_with(seen_after(2.0), *camera());
-  EXPECT_EQ(pair.partner->result, 1);
+  EXPECT_EQ(pair.view->result, 1);
   EXPECT_EQ(pair.matches.size(), 120U);
   EXPECT_EQ(pair.rays.size(), 120U);
 }
@@ -53,7 +53,7 @@ TEST(Views, PairWithTheMostParallaxWhereNoneHasEnough) {
   Views views({}, {});
   views.push(view_at(0, 0.0));
   views.push(view_at(1, 0.05));
-  EXPECT_EQ(views.pair_with(seen_after(0.1), *camera()).partner->result, 0);
+  EXPECT_EQ(views.pair_with(seen_after(0.1), *camera()).view->result, 0);
 }
 
 TEST(Views, ForgetTheOldest) {
@@ -62,7 +62,7 @@ TEST(Views, ForgetTheOldest) {
   Views views(options, {});
   views.push(view_at(0, 0.0));
   views.push(view_at(1, 0.05));
-  EXPECT_EQ(views.pair_with(seen_after(0.1), *camera()).partner->result, 1);
+  EXPECT_EQ(views.pair_with(seen_after(0.1), *camera()).view->result, 1);
 }
 
 }  // namespace
