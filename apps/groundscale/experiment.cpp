@@ -6,10 +6,12 @@
 
 #include "commands.hpp"
 #include "groundscale/experiments/calibration.hpp"
+#include "groundscale/experiments/contamination.hpp"
 #include "groundscale/experiments/drives.hpp"
 #include "groundscale/experiments/experiment.hpp"
 #include "groundscale/experiments/realism.hpp"
 #include "groundscale/experiments/synthetic.hpp"
+#include "groundscale/experiments/timing.hpp"
 #include "groundscale/experiments/vo_kitti.hpp"
 
 namespace groundscale {
@@ -265,9 +267,71 @@ void add_synthetic(CLI::App& parent, int& exit_status) {
   });
 }
 
+void add_contamination(CLI::App& parent, int& exit_status) {
+  struct Arguments {
+    ExperimentRequest request;
+    ContaminationOptions options;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  ContaminationOptions& options = arguments->options;
+  CLI::App* command = parent.add_subcommand(kContaminationName, kContaminationSummary);
+  add_common(*command, arguments->request);
+  add_methods(*command, options.methods, "all");
+  command
+      ->add_option("--kitti", options.drives.kitti,
+                   "Folder with KITTI odometry's poses/NN.txt and times, to render drives along; routes without it")
+      ->option_text("PATH");
+  add_choice(*command, options.drives, "default straight:100,city:60, or 07:100");
+  command->add_option("--shares", options.shares_percent, "How much of the region isn't road, % (0,10,20,30,40,50)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Range(0.0, 100.0))
+      ->option_text("X,X,...");
+  command->add_flag("--true-motion", options.true_motion, "R and t of the truth instead of those of the matches");
+  command->add_option("--preset", options.drives.preset, "Camera and its place on the vehicle");
+  command->add_option("--seed", options.drives.seed, "Of world, vehicle and sensor")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", options.drives.threads, "For rendering")->check(CLI::PositiveNumber);
+  command->add_option("--set", options.assignments, "KEY=VALUE of the odometry's configuration")
+      ->expected(1)
+      ->take_all();
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    exit_status = finish(run_contamination(arguments->options, arguments->request));
+  });
+}
+
+void add_timing(CLI::App& parent, int& exit_status) {
+  struct Arguments {
+    ExperimentRequest request;
+    TimingOptions options;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  TimingOptions& options = arguments->options;
+  CLI::App* command = parent.add_subcommand(kTimingName, kTimingSummary);
+  add_common(*command, arguments->request);
+  add_methods(*command, options.methods, "all");
+  command
+      ->add_option("--kitti", options.drives.kitti,
+                   "Folder with KITTI odometry's poses/NN.txt and times, to render drives along; routes without it")
+      ->option_text("PATH");
+  command->add_option("--clips", options.drives.clips, "Real drives instead: NN/image_0 and NN/poses.txt")
+      ->option_text("PATH");
+  add_choice(*command, options.drives, "default city:100, 07:100, or all clips");
+  command->add_option("--preset", options.drives.preset, "Camera and its place on the vehicle");
+  command->add_option("--seed", options.drives.seed, "Of world, vehicle and sensor")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", options.drives.threads, "For rendering")->check(CLI::PositiveNumber);
+  command->add_option("--set", options.assignments, "KEY=VALUE of the odometry's configuration")
+      ->expected(1)
+      ->take_all();
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    exit_status = finish(run_timing(arguments->options, arguments->request));
+  });
+}
+
 /// Every experiment: a function that adds its subcommand.
-constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives, add_realism,     add_vo_kitti,
-                                                     add_campus, add_calibration, add_synthetic};
+constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives,      add_realism,   add_vo_kitti,      add_campus,
+                                                     add_calibration, add_synthetic, add_contamination, add_timing};
 
 std::string list_of(const CLI::App& command) {
   std::string text;

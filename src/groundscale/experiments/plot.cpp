@@ -19,9 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Told apart by the colour-blind too (Okabe and Ito), dark enough for paper.
-constexpr std::array<std::string_view, 7> kColours = {"#000000", "#0072b2", "#d55e00", "#009e73",
-                                                      "#cc79a7", "#e69f00", "#56b4e9"};
+/// Told apart by the colour-blind too (Okabe and Ito, then Tol), dark enough for paper.
+constexpr std::array<std::string_view, 11> kColours = {"#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00",
+                                                       "#56b4e9", "#882255", "#999933", "#332288", "#888888"};
 
 /// A text in gnuplot's single quotes.
 std::string quoted(const std::string& text) {
