@@ -54,6 +54,7 @@ check_docs() {
   }
   in_step docs/configuration.md config --markdown
   in_step docs/simulation-options.md config --simulation --markdown
+  scripts/check_doc_code.py docs/adding-a-method.md examples/own_plane_method.cpp || same=no
   [ $same = yes ]
 }
 

@@ -24,6 +24,7 @@ int report_failure(const Error& error);
 // One function a subcommand, one file each. It adds the subcommand with its options to `app`; when the command line
 // names it, it does the work and leaves its status in `exit_status`. Results go to stdout, all else to stderr.
 void add_run(CLI::App& app, int& exit_status);
+void add_scale(CLI::App& app, int& exit_status);
 void add_evaluate(CLI::App& app, int& exit_status);
 void add_calibrate(CLI::App& app, int& exit_status);
 void add_height(CLI::App& app, int& exit_status);

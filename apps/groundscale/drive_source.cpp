@@ -9,6 +9,7 @@
 
 #include "groundscale/io/config.hpp"
 #include "groundscale/io/files.hpp"
+#include "groundscale/io/trajectory_file.hpp"
 #include "groundscale/tracking/pyramid.hpp"
 
 namespace groundscale {
@@ -117,6 +118,43 @@ Result<void> choose_height(const SourceArguments& arguments, const RunSource& so
     return Error{ErrorCode::kBadInput, fmt::format("the camera height is {} m, it must be above 0", *height_m)};
   }
   return {};
+}
+
+Result<CameraSetup> metric_camera(const SourceArguments& arguments, const RunSource& source, const Sequence& sequence,
+                                  RunSummary& summary) {
+  auto choice = choose_camera(arguments, source, sequence);
+  if (!choice) return choice.error();
+  if (!choice->setup.height_m) {
+    return Error{ErrorCode::kBadInput,
+                 "the camera height is missing: --camera-height M, or height_m in the camera file"};
+  }
+  summary.camera_from = choice->camera_from;
+  summary.camera_height_from = choice->height_from;
+  summary.camera_height_m = *choice->setup.height_m;
+  if (summary.camera_height_m > kUnlikelyHeightM) {
+    summary.warnings.push_back(
+        fmt::format("the camera height is {} m: is it given in metres?", summary.camera_height_m));
+  }
+  return std::move(choice->setup);
+}
+
+Result<void> check_truth(const std::string& path, const Sequence& sequence) {
+  if (path.empty()) return {};
+  const auto truth = read_trajectory(path);
+  if (!truth) return Error{ErrorCode::kBadInput, "--truth " + truth.error().message};
+  const int needed = sequence.first_frame() + sequence.frame_count();
+  if (truth->size() >= needed) return {};
+  return Error{ErrorCode::kBadInput, fmt::format("--truth {}: {} rows, but the last frame is {}: it must have at least "
+                                                 "{} rows",
+                                                 path, truth->size(), needed - 1, needed)};
+}
+
+std::string config_in_force(RunConfig config, const Sequence& sequence, const RunSummary& summary) {
+  config.run.camera = summary.camera_from;
+  config.run.camera_height_m = summary.camera_height_m;
+  config.run.image = sequence.kitti_image().value_or(config.run.image);
+  config = config.absolute();
+  return to_yaml([&config](FieldVisitor& visitor) { visit_fields(config, visitor); });
 }
 
 Result<std::optional<RoadMasks>> open_masks(const std::string& folder, const Sequence& sequence) {

@@ -9,6 +9,7 @@
 #include "groundscale/io/road_masks.hpp"
 #include "groundscale/io/sequence.hpp"
 #include "groundscale/odometry/run_source.hpp"
+#include "groundscale/odometry/run_writer.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's
 class App;
@@ -51,6 +52,17 @@ Result<CameraChoice> choose_camera(const SourceArguments& arguments, const RunSo
 /// The height of a camera that is chosen already.
 Result<void> choose_height(const SourceArguments& arguments, const RunSource& source, const Sequence& sequence,
                            CameraChoice& choice);
+
+/// A camera that has its height; where both came from goes into the summary, with a warning where the height is
+/// unlikely. @return kBadInput where nothing says the height.
+Result<CameraSetup> metric_camera(const SourceArguments& arguments, const RunSource& source, const Sequence& sequence,
+                                  RunSummary& summary);
+
+/// Found out before the work: a truth of all frames. An empty path is none.
+Result<void> check_truth(const std::string& path, const Sequence& sequence);
+
+/// For config.yaml: what was left to be found is filled in.
+std::string config_in_force(RunConfig config, const Sequence& sequence, const RunSummary& summary);
 
 /// Nothing without a folder.
 Result<std::optional<RoadMasks>> open_masks(const std::string& folder, const Sequence& sequence);

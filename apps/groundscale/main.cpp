@@ -26,6 +26,7 @@ int run_program(int argc, char** argv) {
   add_run(app, exit_status);
   add_calibrate(app, exit_status);
   add_height(app, exit_status);
+  add_scale(app, exit_status);
   add_evaluate(app, exit_status);
   add_simulate(app, exit_status);
   add_experiment(app, exit_status);

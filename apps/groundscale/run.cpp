@@ -40,25 +40,6 @@ struct RunArguments {
   bool quiet = false;
 };
 
-/// The camera, with its height.
-Result<CameraSetup> read_camera(const RunArguments& arguments, const RunSource& source, const Sequence& sequence,
-                                RunSummary& summary) {
-  auto choice = choose_camera(arguments.source, source, sequence);
-  if (!choice) return choice.error();
-  if (!choice->setup.height_m) {
-    return Error{ErrorCode::kBadInput,
-                 "the camera height is missing: --camera-height M, or height_m in the camera file"};
-  }
-  summary.camera_from = choice->camera_from;
-  summary.camera_height_from = choice->height_from;
-  summary.camera_height_m = *choice->setup.height_m;
-  if (summary.camera_height_m > kUnlikelyHeightM) {
-    summary.warnings.push_back(
-        fmt::format("the camera height is {} m: is it given in metres?", summary.camera_height_m));
-  }
-  return std::move(choice->setup);
-}
-
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -152,18 +133,6 @@ Result<void> check_overlay(const RunArguments& arguments, const RunSource& sourc
   return check_output_folder("--overlay", folder, arguments.force);
 }
 
-/// Found out before the work: a truth of all frames.
-Result<void> check_truth(const std::string& path, const Sequence& sequence) {
-  if (path.empty()) return {};
-  const auto truth = read_trajectory(path);
-  if (!truth) return Error{ErrorCode::kBadInput, "--truth " + truth.error().message};
-  const int needed = sequence.first_frame() + sequence.frame_count();
-  if (truth->size() >= needed) return {};
-  return Error{ErrorCode::kBadInput, fmt::format("--truth {}: {} rows, but the last frame is {}: it must have at least "
-                                                 "{} rows",
-                                                 path, truth->size(), needed - 1, needed)};
-}
-
 /// Found out before the work, where the drive's times are known by then.
 Result<void> check_speed_log(const Odometry& odometry, const Sequence& sequence) {
   const SpeedReference* speed = odometry.speed_reference();
@@ -186,15 +155,6 @@ Result<void> print_evaluation(const std::string& output, const std::string& trut
   return {};
 }
 
-/// For config.yaml: what was left to be found is filled in.
-std::string config_in_force(RunConfig config, const Sequence& sequence, const RunSummary& summary) {
-  config.run.camera = summary.camera_from;
-  config.run.camera_height_m = summary.camera_height_m;
-  config.run.image = sequence.kitti_image().value_or(config.run.image);
-  config = config.absolute();
-  return to_yaml([&config](FieldVisitor& visitor) { visit_fields(config, visitor); });
-}
-
 Result<void> run(const RunArguments& arguments) {
   RunSummary summary;
   auto config = read_config(arguments.source);
@@ -202,7 +162,7 @@ Result<void> run(const RunArguments& arguments) {
   RunSource& source = config->run;
   auto sequence = open_drive(source);
   if (!sequence) return sequence.error();
-  const auto setup = read_camera(arguments, source, **sequence, summary);
+  const auto setup = metric_camera(arguments.source, source, **sequence, summary);
   if (!setup) return setup.error();
   if (const auto fits = check_truth(arguments.truth, **sequence); !fits) return fits;
   const auto masks = open_masks(source.road_masks, **sequence);

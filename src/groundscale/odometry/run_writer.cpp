@@ -171,10 +171,10 @@ std::string calibration_verdict(const ScaleSlope& slope) {
   return "the calibration looks wrong: groundscale calibrate finds a better one";
 }
 
-void add_figures(const Odometry& odometry, RunSummary& summary) {
-  summary.frames = static_cast<int>(odometry.results().size());
-  summary.mounting = odometry.mounting();
-  for (const FrameResult& result : odometry.results()) {
+void add_figures(const DriveOutcome& outcome, RunSummary& summary) {
+  summary.frames = static_cast<int>(outcome.results().size());
+  summary.mounting = outcome.mounting();
+  for (const FrameResult& result : outcome.results()) {
     switch (result.state) {
       case FrameState::kMoving:
         ++summary.moving;
@@ -196,16 +196,16 @@ void add_figures(const Odometry& odometry, RunSummary& summary) {
     if (!summary.first_scaled_frame && (result.accepted() || result.by_speed_log)) {
       summary.first_scaled_frame = result.frame;
     }
-    if (odometry.scaled()) summary.length_m += result.step_m;
+    if (outcome.scaled()) summary.length_m += result.step_m;
   }
-  summary.corrections = odometry.corrections();
-  summary.camera_changes = odometry.camera_changes();
-  if (auto slope = scale_slope(odometry.results(), summary.corrections)) summary.slope = std::move(*slope);
-  summary.matching = matching_figures(odometry.results());
-  if (const SpeedReference* speed = odometry.speed_reference()) add_speed_figures(*speed, odometry.results(), summary);
-  if (odometry.road_detector() == nullptr) return;
-  summary.network_runs = odometry.road_detector()->runs();
-  summary.network_ms = 1e3 * odometry.road_detector()->network_s() / std::max(1, summary.network_runs);
+  summary.corrections = outcome.corrections();
+  summary.camera_changes = outcome.camera_changes();
+  if (auto slope = scale_slope(outcome.results(), summary.corrections)) summary.slope = std::move(*slope);
+  summary.matching = matching_figures(outcome.results());
+  if (const SpeedReference* speed = outcome.speed_reference()) add_speed_figures(*speed, outcome.results(), summary);
+  if (outcome.road_detector() == nullptr) return;
+  summary.network_runs = outcome.road_detector()->runs();
+  summary.network_ms = 1e3 * outcome.road_detector()->network_s() / std::max(1, summary.network_runs);
 }
 
 Result<RunWriter> RunWriter::create(const std::string& folder, bool force) {
@@ -223,32 +223,32 @@ Result<RunWriter> RunWriter::create(const std::string& folder, bool force) {
 RunWriter::RunWriter(std::string folder, LineWriter kitti, LineWriter tum)
     : folder_(std::move(folder)), online_kitti_(std::move(kitti)), online_tum_(std::move(tum)) {}
 
-Result<void> RunWriter::write_online(const Odometry& odometry) {
-  return odometry.scaled() ? write_rows(odometry, true) : Result<void>();
+Result<void> RunWriter::write_online(const DriveOutcome& outcome) {
+  return outcome.scaled() ? write_rows(outcome, true) : Result<void>();
 }
 
-Result<void> RunWriter::write_rows(const Odometry& odometry, bool scaled) {
-  for (; written_ < odometry.results().size(); ++written_) {
-    RigidTransform pose = odometry.online_poses()[written_];
+Result<void> RunWriter::write_rows(const DriveOutcome& outcome, bool scaled) {
+  for (; written_ < outcome.results().size(); ++written_) {
+    RigidTransform pose = outcome.online_poses()[written_];
     if (!scaled) pose.translation.setZero();
     if (const auto done = online_kitti_.write(kitti_row(pose)); !done) return done;
-    if (const auto done = online_tum_.write(tum_row(odometry.results()[written_].time_s, pose)); !done) return done;
+    if (const auto done = online_tum_.write(tum_row(outcome.results()[written_].time_s, pose)); !done) return done;
   }
   return {};
 }
 
-Result<void> RunWriter::finish(const Odometry& odometry, const RunSummary& summary, const std::string& config_yaml) {
-  if (const auto done = write_rows(odometry, odometry.scaled()); !done) return done;
+Result<void> RunWriter::finish(const DriveOutcome& outcome, const RunSummary& summary, const std::string& config_yaml) {
+  if (const auto done = write_rows(outcome, outcome.scaled()); !done) return done;
   Trajectory trajectory;
-  trajectory.world_from_cam = odometry.final_poses();
+  trajectory.world_from_cam = outcome.final_poses();
   for (std::size_t k = 0; k < trajectory.world_from_cam.size(); ++k) {
-    if (!odometry.scaled()) trajectory.world_from_cam[k].translation.setZero();
-    trajectory.times_s.push_back(odometry.results()[k].time_s);
+    if (!outcome.scaled()) trajectory.world_from_cam[k].translation.setZero();
+    trajectory.times_s.push_back(outcome.results()[k].time_s);
   }
   const auto path = [this](std::string_view file) { return (fs::path(folder_) / file).string(); };
   if (const auto done = write_kitti(path("trajectory.kitti"), trajectory); !done) return done;
   if (const auto done = write_tum(path("trajectory.tum"), trajectory); !done) return done;
-  if (const auto done = write_text(path("frames.csv"), frames_csv(odometry.results())); !done) return done;
+  if (const auto done = write_text(path("frames.csv"), frames_csv(outcome.results())); !done) return done;
   if (const auto done = write_text(path("config.yaml"), config_yaml); !done) return done;
   return write_text(path("summary.json"), summary_json(summary));
 }

@@ -66,7 +66,7 @@ struct RunSummary {
 std::string calibration_verdict(const ScaleSlope& slope);
 
 /// Counts states, measurements and length, and warns of what is wrong with a speed log.
-void add_figures(const Odometry& odometry, RunSummary& summary);
+void add_figures(const DriveOutcome& outcome, RunSummary& summary);
 
 /// The files of a run's folder (docs/formats.md). Online rows are written as the drive goes, the others at its end,
 /// beside and renamed.
@@ -76,13 +76,13 @@ class RunWriter {
   static Result<RunWriter> create(const std::string& folder, bool force);
 
   /// Online rows of all frames that have their scale by now.
-  Result<void> write_online(const Odometry& odometry);
+  Result<void> write_online(const DriveOutcome& outcome);
   /// Everything else. A drive whose scale never became known has rows in which the camera stays where it is.
-  Result<void> finish(const Odometry& odometry, const RunSummary& summary, const std::string& config_yaml);
+  Result<void> finish(const DriveOutcome& outcome, const RunSummary& summary, const std::string& config_yaml);
 
  private:
   RunWriter(std::string folder, LineWriter kitti, LineWriter tum);
-  Result<void> write_rows(const Odometry& odometry, bool scaled);
+  Result<void> write_rows(const DriveOutcome& outcome, bool scaled);
 
   std::string folder_;
   LineWriter online_kitti_, online_tum_;

@@ -13,6 +13,16 @@ std::span<const PlaneMethod> plane_methods() {
   static constexpr std::array kMethods{
       PlaneMethod{"sparse", "symmetric homography transfer error of sparse matches (Zhou, Dai, Li 2019)",
                   make_memoryless<estimate_plane_sparse>},
+      PlaneMethod{"triangulation", "height that most triangulated points have, normal given (Geiger et al. 2011)",
+                  make_memoryless<estimate_plane_triangulation>},
+      PlaneMethod{"triangulation_ransac", "plane through triangulated points by RANSAC (Graeter et al. 2015)",
+                  make_memoryless<estimate_plane_triangulation_ransac>},
+      PlaneMethod{"decomposition", "homography decomposed into R, t and plane (Malis, Vargas 2007)",
+                  make_memoryless<estimate_plane_decomposition>},
+      PlaneMethod{"joint", "R, t and plane together by the transfer error (Zhou, Dai, Li 2019, eq. 5)",
+                  make_memoryless<estimate_plane_joint>},
+      PlaneMethod{"delaunay", "low flat triangles of the image's points, mode over frames (Wang et al. 2018)",
+                  make_delaunay_method},
   };
   return kMethods;
 }
@@ -52,6 +62,10 @@ void visit_fields(PlaneOptions& options, FieldVisitor& visitor) {
                 options.min_inliers);
   visitor.field({.key = "refinement", .unit = "", .help = "how the plane is refined"}, options.refinement);
   visitor.group("ransac", options.ransac);
+  visitor.group("triangulation", options.triangulation);
+  visitor.group("triangulation_ransac", options.triangulation_ransac);
+  visitor.group("decomposition", options.decomposition);
+  visitor.group("delaunay", options.delaunay);
 }
 
 }  // namespace groundscale

@@ -6,52 +6,39 @@
 #include <Eigen/LU>
 #include <opencv2/core/optim.hpp>
 
+#include "groundscale/estimation/levenberg_marquardt.hpp"
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/plane/refine_internal.hpp"
 
 namespace groundscale {
 namespace {
 
-struct NormalEquations {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-};
-
-/// Weight of |n - expected|^2 / 2 beside the sum of transfer errors, forward and backward; 0 without a prior.
-double prior_weight(const RoadObservations& observations, const PlaneOptions& options) {
-  if (observations.expected_normal.isZero() || options.normal_prior_deg <= 0.0) return 0.0;
-  const double sd_rad = observations.normal_prior_factor * options.normal_prior_deg * std::numbers::pi / 180.0;
-  return 2.0 * options.point_sd_px * options.point_sd_px / (sd_rad * sd_rad);
-}
-
-/// Derivative of n = m / |m| by m.
-Eigen::Matrix3d normal_by_m(const Eigen::Vector3d& m) {
-  const Eigen::Vector3d n = m.normalized();
-  return (Eigen::Matrix3d::Identity() - n * n.transpose()) / m.norm();
-}
-
+/// The symmetric transfer error as a function of m.
 class TransferCost {
  public:
+  using State = Eigen::Vector3d;
+  static constexpr int kParameters = 3;
+
   TransferCost(const RoadObservations& observations, const std::vector<Transfer>& transfers,
                const PlaneOptions& options)
       : observations_(observations),
         transfers_(transfers),
         loss_{options.huber_px},
-        prior_(prior_weight(observations, options)) {}
+        prior_(normal_prior_weight(observations, options)) {}
 
-  double operator()(const Eigen::Vector3d& m) const {
+  double cost(const Eigen::Vector3d& m) const {
     double cost = 0.5 * prior_ * (m.normalized() - observations_.expected_normal).squaredNorm();
     for (const Transfer& transfer : transfers_) {
       const auto error = error_of(m, transfer);
       // A point that leaves the camera's field costs as much as one that is far off.
-      cost += transfer.weight *
-              (error ? loss_.rho(error->forward.norm()) + loss_.rho(error->backward.norm()) : 2.0 * loss_.rho(kLostPx));
+      cost += transfer.weight * (error ? loss_.rho(error->forward.norm()) + loss_.rho(error->backward.norm())
+                                       : 2.0 * loss_.rho(kLostTransferPx));
     }
     return cost;
   }
 
-  NormalEquations linearise(const Eigen::Vector3d& m) const {
-    NormalEquations equations;
+  NormalEquations<3> linearise(const Eigen::Vector3d& m) const {
+    NormalEquations<3> equations;
     if (prior_ > 0.0) {
       const Eigen::Matrix3d by_m = normal_by_m(m);
       equations.information += prior_ * by_m.transpose() * by_m;
@@ -66,16 +53,16 @@ class TransferCost {
     return equations;
   }
 
- private:
-  static constexpr double kLostPx = 100.0;
+  Eigen::Vector3d moved(const Eigen::Vector3d& m, const Eigen::Vector3d& step) const { return m + step; }
 
+ private:
   std::optional<TransferError> error_of(const Eigen::Vector3d& m, const Transfer& transfer) const {
     const RigidTransform& pose = observations_.cam_from_reference[static_cast<std::size_t>(transfer.view)];
     return transfer_error(*observations_.camera, pose, m, transfer);
   }
 
   void add(double point_weight, const Eigen::Vector2d& error, const Eigen::Matrix<double, 2, 3>& by_m,
-           NormalEquations& equations) const {
+           NormalEquations<3>& equations) const {
     const double weight = point_weight * loss_.weight(error.norm());
     equations.information.noalias() += weight * by_m.transpose() * by_m;
     equations.gradient.noalias() += weight * by_m.transpose() * error;
@@ -87,43 +74,13 @@ class TransferCost {
   double prior_;
 };
 
-Eigen::Vector3d refine_by_levenberg_marquardt(const TransferCost& cost_of, Eigen::Vector3d m) {
-  constexpr int kMaxIterations = 20;
-  constexpr int kMaxAttempts = 6;
-  double cost = cost_of(m);
-  double damping = 1e-4;
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const NormalEquations equations = cost_of.linearise(m);
-    bool moved = false;
-    double gain = 0.0;
-    for (int attempt = 0; attempt < kMaxAttempts && !moved; ++attempt) {
-      Eigen::Matrix3d damped = equations.information;
-      damped.diagonal() *= 1.0 + damping;
-      const Eigen::Vector3d next = m - damped.ldlt().solve(equations.gradient);
-      const double next_cost = next.allFinite() ? cost_of(next) : cost;
-      if (next_cost < cost) {
-        gain = cost - next_cost;
-        m = next;
-        cost = next_cost;
-        damping = std::max(1e-9, damping * 0.1);
-        moved = true;
-      } else {
-        damping *= 10.0;
-      }
-    }
-    constexpr double kMinGain = 1e-7;
-    if (!moved || gain < kMinGain * cost) break;
-  }
-  return m;
-}
-
 /// The paper's way. OpenCV's downhill simplex over m, scaled to its start.
 Eigen::Vector3d refine_by_nelder_mead(const TransferCost& cost_of, const Eigen::Vector3d& start) {
   class Function final : public cv::MinProblemSolver::Function {
    public:
     Function(const TransferCost& cost, double unit) : cost_(cost), unit_(unit) {}
     int getDims() const override { return 3; }
-    double calc(const double* x) const override { return cost_(unit_ * Eigen::Vector3d(x[0], x[1], x[2])); }
+    double calc(const double* x) const override { return cost_.cost(unit_ * Eigen::Vector3d(x[0], x[1], x[2])); }
 
    private:
     const TransferCost& cost_;
@@ -141,11 +98,22 @@ Eigen::Vector3d refine_by_nelder_mead(const TransferCost& cost_of, const Eigen::
 
 }  // namespace
 
+double normal_prior_weight(const RoadObservations& observations, const PlaneOptions& options) {
+  if (observations.expected_normal.isZero() || options.normal_prior_deg <= 0.0) return 0.0;
+  const double sd_rad = observations.normal_prior_factor * options.normal_prior_deg * std::numbers::pi / 180.0;
+  return 2.0 * options.point_sd_px * options.point_sd_px / (sd_rad * sd_rad);
+}
+
+Eigen::Matrix3d normal_by_m(const Eigen::Vector3d& m) {
+  const Eigen::Vector3d n = m.normalized();
+  return (Eigen::Matrix3d::Identity() - n * n.transpose()) / m.norm();
+}
+
 Eigen::Vector3d refine_plane(const RoadObservations& observations, const std::vector<Transfer>& transfers,
                              const Eigen::Vector3d& start, const PlaneOptions& options) {
   const TransferCost cost(observations, transfers, options);
   return options.refinement == PlaneRefinement::kNelderMead ? refine_by_nelder_mead(cost, start)
-                                                            : refine_by_levenberg_marquardt(cost, start);
+                                                            : levenberg_marquardt(cost, start);
 }
 
 Eigen::Matrix3d covariance_of_plane(const RoadObservations& observations, const std::vector<Transfer>& transfers,
@@ -174,7 +142,7 @@ Eigen::Matrix3d covariance_of_plane(const RoadObservations& observations, const 
   // so the covariance is A^-1 B A^-1 with B = sum w^2 J^T J.
   const auto count = static_cast<double>(transfers.size());
   const double variance = squares / std::max(1e-12, 2.0 * weights) * (2.0 * count / std::max(1.0, 2.0 * count - 3.0));
-  const double prior = prior_weight(observations, options);
+  const double prior = normal_prior_weight(observations, options);
   if (prior > 0.0) {
     const Eigen::Matrix3d by_m = normal_by_m(m);
     // Half of the refinement's, which counts each point twice.

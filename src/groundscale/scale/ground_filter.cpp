@@ -9,13 +9,14 @@ namespace groundscale {
 
 template <>
 std::vector<std::string_view> names_of<FilterKind>() {
-  return {"paper", "model"};
+  return {"paper", "model", "paper_scale"};
 }
 
 void visit_fields(GroundFilterOptions& options, FieldVisitor& visitor) {
   visitor.field({.key = "filter",
                  .unit = "",
-                 .help = "paper: (n_x, n_z, h) at constant speed; model: mounting, deviation, speed"},
+                 .help = "paper: (n_x, n_z, h) at constant speed; paper_scale: h alone; model: mounting, deviation, "
+                         "speed"},
                 options.kind);
   visitor.field({.key = "acceleration_mps2",
                  .unit = "m/s^2",
@@ -76,8 +77,8 @@ GroundObservation observation_of(const GroundPlane& plane, const Eigen::Matrix3d
 }
 
 std::unique_ptr<GroundFilter> make_ground_filter(const GroundFilterOptions& options, double camera_height_m) {
-  if (options.kind == FilterKind::kPaper) return make_paper_filter(options, camera_height_m);
-  return make_model_filter(options);
+  if (options.kind == FilterKind::kModel) return make_model_filter(options);
+  return make_paper_filter(options, camera_height_m);
 }
 
 }  // namespace groundscale

@@ -12,7 +12,11 @@
 
 namespace groundscale {
 
-enum class FilterKind { kPaper, kModel };
+enum class FilterKind {
+  kPaper,
+  kModel,
+  kPaperScale,  ///< The paper's for methods that have no normal of their own: observes the height alone.
+};
 
 struct GroundFilterOptions {
   FilterKind kind = FilterKind::kModel;

@@ -108,7 +108,7 @@ TEST_P(AnyFilter, FollowsASpeedThatHasJumpedFasterAfterItWasReopened) {
     const auto filter = make_ground_filter(options_of(GetParam()), kHeightM);
     filter->start(observed(8.0));
     for (int k = 0; k < 20; ++k) {
-      filter->predict({});
+      filter->predict(GroundStep{});
       filter->update(observed(8.0));
     }
     if (reopen) filter->reopen();
@@ -187,8 +187,27 @@ TEST_P(AnyFilter, SmoothedStatesAreNearerToTheTruthThanOnlineOnes) {
   EXPECT_DOUBLE_EQ(smoothed.back().speed_mps, online.back());
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, AnyFilter, testing::Values(FilterKind::kModel, FilterKind::kPaper),
-                         [](const auto& kind) { return kind.param == FilterKind::kModel ? "Model" : "Paper"; });
+std::string kind_name(const testing::TestParamInfo<FilterKind>& info) {
+  const std::vector<std::string> names = {"Paper", "Model", "PaperScale"};
+  return names[static_cast<std::size_t>(info.param)];
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, AnyFilter,
+                         testing::Values(FilterKind::kModel, FilterKind::kPaper, FilterKind::kPaperScale), kind_name);
+
+TEST(PaperScaleFilter, FiltersTheHeightAndTakesTheNormalAsItIsMeasured) {
+  const auto filter = make_ground_filter(options_of(FilterKind::kPaperScale), kHeightM);
+  filter->start(observed(10.0, 0.0));
+  for (int k = 0; k < 20; ++k) {
+    filter->predict(GroundStep{});
+    filter->update(observed(10.0, 0.0));
+  }
+  filter->predict(GroundStep{});
+  filter->update(observed(12.0, 0.02));
+  EXPECT_NEAR(filter->state().pitch_rad, 0.02, 1e-9);
+  EXPECT_GT(filter->state().speed_mps, 10.0);
+  EXPECT_LT(filter->state().speed_mps, 12.0);
+}
 
 TEST(ModelFilter, IsConsistentOnItsOwnModel) {
   // Log speed is observed with the step model's noise alone and driven by acceleration: errors over their sd have a
@@ -209,7 +228,7 @@ TEST(ModelFilter, IsConsistentOnItsOwnModel) {
       if (k == 0) {
         filter->start(noisy);
       } else {
-        filter->predict({});
+        filter->predict(GroundStep{});
         filter->update(noisy);
       }
     }

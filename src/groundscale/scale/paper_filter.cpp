@@ -15,7 +15,9 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// The paper's filter: state (n, h) with h in units of the present step, n <- R n, h <- h + (R n) . t, |t| = 1;
 /// observed (n_x, n_z, h); n is made a unit vector again after each update. Constant speed is built in.
-/// Diagonal noise, as there. (F and H as printed there are a transpose and an index off, see docs/method.md.)
+/// Diagonal noise, as there. Where only the scale is filtered, as there for triangulation and decomposition, h alone is
+/// observed and n follows the camera's rotation and the measurements as they come. (F and H as printed there are a
+/// transpose and an index off, see docs/method.md.)
 class PaperFilter final : public GroundFilter {
  public:
   PaperFilter(const GroundFilterOptions& options, double camera_height_m)
@@ -74,15 +76,15 @@ class PaperFilter final : public GroundFilter {
   void update(const GroundObservation& observation) override {
     const Eigen::Vector3d normal = Mounting{observation.pitch_rad, observation.roll_rad, 0.0}.normal_in_cam();
     const double height = height_in_steps(observation);
-    Eigen::Matrix<double, 3, 4> by_state = Eigen::Matrix<double, 3, 4>::Zero();
-    by_state(0, 0) = by_state(1, 2) = by_state(2, 3) = 1.0;
-    const Eigen::Vector3d residual(normal.x() - state_.mean(0), normal.z() - state_.mean(2), height - state_.mean(3));
-    // Diagonal, as in the paper, of the size that the model filter uses.
-    Eigen::Vector3d variance = options_.formal_variance_factor * observation.covariance.diagonal();
-    variance += Eigen::Vector3d(std::pow(options_.angle_model_deg * kDegree, 2),
-                                std::pow(options_.angle_model_deg * kDegree, 2), std::pow(options_.step_model, 2));
-    const Eigen::Matrix3d noise = Eigen::Vector3d(variance(1), variance(0), variance(2) * height * height).asDiagonal();
-    state_ = groundscale::update<4, 3>(state_, by_state, residual, noise);
+    if (options_.kind == FilterKind::kPaperScale) {
+      state_.mean.head<3>() = normal;
+      state_.covariance.topRows<3>().setZero();
+      state_.covariance.leftCols<3>().setZero();
+      observe_height(height,
+                     options_.formal_variance_factor * observation.covariance(2, 2) + std::pow(options_.step_model, 2));
+    } else {
+      observe_plane(normal, height, observation);
+    }
     keep_valid(state_);
     constexpr double kMeanGain = 0.02;
     mean_normal_ = (mean_normal_ + kMeanGain * (normal - mean_normal_)).normalized();
@@ -91,11 +93,7 @@ class PaperFilter final : public GroundFilter {
   void update_speed(double speed_mps, double log_sd) override {
     if (!started_) return;
     const double height = camera_height_m_ / (speed_mps * step_time_s_);
-    Eigen::Matrix<double, 1, 4> by_state = Eigen::Matrix<double, 1, 4>::Zero();
-    by_state(3) = 1.0;
-    const Eigen::Matrix<double, 1, 1> residual(height - state_.mean(3));
-    const Eigen::Matrix<double, 1, 1> noise(std::pow(log_sd * height, 2));
-    state_ = groundscale::update<4, 1>(state_, by_state, residual, noise);
+    observe_height(height, log_sd * log_sd);
     keep_valid(state_);
   }
 
@@ -136,6 +134,27 @@ class PaperFilter final : public GroundFilter {
     double step_time_s;
     bool started;
   };
+
+  void observe_plane(const Eigen::Vector3d& normal, double height, const GroundObservation& observation) {
+    Eigen::Matrix<double, 3, 4> by_state = Eigen::Matrix<double, 3, 4>::Zero();
+    by_state(0, 0) = by_state(1, 2) = by_state(2, 3) = 1.0;
+    const Eigen::Vector3d residual(normal.x() - state_.mean(0), normal.z() - state_.mean(2), height - state_.mean(3));
+    // Diagonal, as in the paper, of the size that the model filter uses.
+    Eigen::Vector3d variance = options_.formal_variance_factor * observation.covariance.diagonal();
+    variance += Eigen::Vector3d(std::pow(options_.angle_model_deg * kDegree, 2),
+                                std::pow(options_.angle_model_deg * kDegree, 2), std::pow(options_.step_model, 2));
+    const Eigen::Matrix3d noise = Eigen::Vector3d(variance(1), variance(0), variance(2) * height * height).asDiagonal();
+    state_ = groundscale::update<4, 3>(state_, by_state, residual, noise);
+  }
+
+  /// @param log_variance  Of log height.
+  void observe_height(double height, double log_variance) {
+    Eigen::Matrix<double, 1, 4> by_state = Eigen::Matrix<double, 1, 4>::Zero();
+    by_state(3) = 1.0;
+    const Eigen::Matrix<double, 1, 1> residual(height - state_.mean(3));
+    const Eigen::Matrix<double, 1, 1> noise(log_variance * height * height);
+    state_ = groundscale::update<4, 1>(state_, by_state, residual, noise);
+  }
 
   double height_in_steps(const GroundObservation& observation) const {
     return camera_height_m_ / std::max(1e-3, std::exp(observation.log_distance) - observation.lead_m);

@@ -1,0 +1,197 @@
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "drive_source.hpp"
+#include "groundscale/estimation/robust.hpp"
+#include "groundscale/evaluation/evaluate.hpp"
+#include "groundscale/evaluation/pairing.hpp"
+#include "groundscale/io/files.hpp"
+#include "groundscale/odometry/method_comparison.hpp"
+#include "groundscale/odometry/run_writer.hpp"
+#include "groundscale/road/ground_methods.hpp"
+#include "progress.hpp"
+
+namespace groundscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ScaleArguments {
+  SourceArguments source;
+  std::vector<std::string> methods;
+  std::string output;
+  std::string truth;
+  bool force = false;
+  bool quiet = false;
+};
+
+std::string folder_of(const ScaleArguments& arguments, std::string_view method) {
+  return (fs::path(arguments.output) / method).string();
+}
+
+/// Takes all frames. @return warnings.
+std::vector<std::string> carry_out(Sequence& sequence, const std::optional<RoadMasks>& masks,
+                                   MethodComparison& comparison, bool quiet) {
+  std::vector<std::string> warnings;
+  Progress progress(!quiet, sequence.frame_count());
+  int done = 0;
+  while (const std::optional<Frame> frame = sequence.next()) {
+    if (frame->image.empty()) warnings.push_back(fmt::format("frame {}: {}", frame->index, frame->problem));
+    comparison.advance(*frame, mask_of(*frame, masks, warnings));
+    progress.show(++done, "");
+  }
+  comparison.finish();
+  for (const std::string& warning : sequence.warnings()) warnings.push_back(warning);
+  return warnings;
+}
+
+/// A run's folder for each method, and the table of all.
+Result<void> write(const ScaleArguments& arguments, const RunConfig& config, const Sequence& sequence,
+                   const MethodComparison& comparison, const RunSummary& common) {
+  for (const ComparedMethod& method : comparison.methods()) {
+    RunSummary summary = common;
+    add_figures(method, summary);
+    RunConfig own = config;
+    own.odometry.ground.method = method.name();
+    auto writer = RunWriter::create(folder_of(arguments, method.name()), /*force=*/true);
+    if (!writer) return writer.error();
+    if (const auto done = writer->write_online(method); !done) return done;
+    if (const auto done = writer->finish(method, summary, config_in_force(own, sequence, summary)); !done) return done;
+  }
+  return write_text((fs::path(arguments.output) / "methods.csv").string(), methods_csv(comparison.methods()));
+}
+
+/// Numbers in reasons don't tell them apart.
+std::string without_numbers(const std::string& reason) {
+  std::string words;
+  for (const char c : reason) {
+    const bool digit = (c >= '0' && c <= '9') || (c == '.' && words.ends_with('#'));
+    if (!digit) words += c;
+    if (digit && !words.ends_with('#')) words += '#';
+  }
+  return words;
+}
+
+double median_time_ms(const ComparedMethod& method) {
+  std::vector<double> times;
+  for (const double ms : method.time_ms()) {
+    if (ms > 0.0) times.push_back(ms);
+  }
+  return times.empty() ? 0.0 : median(times);
+}
+
+/// A table a method: how often it measured, and why not.
+void print_methods(const MethodComparison& comparison) {
+  for (const ComparedMethod& method : comparison.methods()) {
+    int moving = 0;
+    int accepted = 0;
+    std::map<std::string, int> refused;
+    for (const FrameResult& result : method.results()) {
+      if (result.state != FrameState::kMoving) continue;
+      ++moving;
+      if (result.accepted()) {
+        ++accepted;
+      } else {
+        ++refused[without_numbers(result.reason)];
+      }
+    }
+    fmt::print(
+        "{}\n  measured  {:>6} of {} moving frames\n  time      {:>6.2f} ms a frame (median), the method alone\n",
+        method.name(), accepted, moving, median_time_ms(method));
+    std::vector<std::pair<int, std::string>> reasons;
+    for (const auto& [reason, count] : refused) reasons.emplace_back(count, reason);
+    std::sort(reasons.rbegin(), reasons.rend());
+    for (const auto& [count, reason] : reasons) fmt::print("  refused   {:>6} {}\n", count, reason);
+  }
+}
+
+std::string cells(const std::optional<ScaleErrors>& errors) {
+  if (!errors) return fmt::format("{:>8} {:>7} {:>7}", "", "", "");
+  return fmt::format("{:>+8.2f} {:>7.2f} {:>7.2f}", 100.0 * errors->bias, 100.0 * errors->spread, 100.0 * errors->p95);
+}
+
+/// The methods beside each other, against the truth.
+Result<void> print_errors(const ScaleArguments& arguments, const MethodComparison& comparison) {
+  fmt::print("\nstep / true step - 1 in %: bias (median), spread (median about it), 95th percentile\n");
+  fmt::print("{:<20} {:>8}  {:^24}  {:^24}  {:^24}  {:^24}\n", "", "coverage", "raw", "raw, straights", "raw, turns",
+             "filtered online");
+  for (const ComparedMethod& method : comparison.methods()) {
+    // By now all is written: a failure is none of the input's.
+    const auto failed = [&](const Error& error) {
+      return Error{ErrorCode::kIo, fmt::format("{} is whole, but can't be evaluated: {}",
+                                               folder_of(arguments, method.name()), error.message)};
+    };
+    const auto paired = pair_drive({.estimate = folder_of(arguments, method.name()), .truth = arguments.truth});
+    if (!paired) return failed(paired.error());
+    const auto evaluation = evaluate(*paired, kitti_lengths_m());
+    if (!evaluation) return failed(evaluation.error());
+    const ScaleFigures& raw = *evaluation->raw_scale;
+    fmt::print("{:<20} {:>8.1f}  {}  {}  {}  {}\n", method.name(), 100.0 * evaluation->coverage->accepted.value(),
+               cells(raw.all), cells(raw.straight), cells(raw.turn), cells(evaluation->online_scale->all));
+  }
+  return {};
+}
+
+Result<void> scale(const ScaleArguments& arguments) {
+  RunSummary summary;
+  auto config = read_config(arguments.source);
+  if (!config) return config.error();
+  config->odometry.odometry.mode = OdometryMode::kPairwise;
+  const auto methods = choose_methods(arguments.methods);
+  if (!methods) return methods.error();
+  auto sequence = open_drive(config->run);
+  if (!sequence) return sequence.error();
+  const auto setup = metric_camera(arguments.source, config->run, **sequence, summary);
+  if (!setup) return setup.error();
+  if (const auto fits = check_truth(arguments.truth, **sequence); !fits) return fits;
+  const auto masks = open_masks(config->run.road_masks, **sequence);
+  if (!masks) return masks.error();
+  auto comparison = MethodComparison::create(*setup, config->odometry, *methods);
+  if (!comparison) return comparison.error();
+  if (const auto free = check_output_folder("--output", arguments.output, arguments.force); !free) return free;
+  if (const auto made = make_output_folder("--output", arguments.output); !made) return made;
+
+  summary.source = config->run.source;
+  summary.seed = config->odometry.seed;
+  summary.first_frame = (*sequence)->first_frame();
+  summary.has_times = (*sequence)->has_times();
+  if (!summary.has_times) summary.warnings.emplace_back("the source has no times: 10 frames a second are assumed");
+  for (std::string& warning : carry_out(**sequence, *masks, *comparison, arguments.quiet)) {
+    summary.warnings.push_back(std::move(warning));
+  }
+  if (const auto done = write(arguments, *config, **sequence, *comparison, summary); !done) return done;
+  for (const std::string& warning : summary.warnings) say("warning: " + warning);
+  print_methods(*comparison);
+  return arguments.truth.empty() ? Result<void>() : print_errors(arguments, *comparison);
+}
+
+}  // namespace
+
+void add_scale(CLI::App& app, int& exit_status) {
+  auto arguments = std::make_shared<ScaleArguments>();
+  for (const PlaneMethod& method : ground_methods()) arguments->methods.emplace_back(method.name);
+  CLI::App* command = app.add_subcommand("scale", "Several ways to measure the ground on the same matches");
+  add_source_options(*command, arguments->source);
+  command->add_option("--methods", arguments->methods, "Which (" + ground_method_names() + "); all")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->option_text("NAME,NAME,...");
+  command->add_option("--output", arguments->output, "Folder for the results")->required();
+  command->add_option("--truth", arguments->truth, "True trajectory; each method is compared with it");
+  command->add_flag("--force", arguments->force, "Overwrite the output");
+  command->add_flag("--quiet", arguments->quiet, "No progress");
+  command->callback([arguments, &exit_status] {
+    const auto done = scale(*arguments);
+    exit_status = done ? kDone : report_failure(done.error());
+  });
+}
+
+}  // namespace groundscale

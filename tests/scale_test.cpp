@@ -1,0 +1,84 @@
+// `scale`: several ways to measure the ground on the same matches.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bad_input_docs.hpp"
+#include "groundscale/io/temp_folder_internal.hpp"
+#include "groundscale/road/ground_methods.hpp"
+#include "program.hpp"
+#include "synthetic_drive.hpp"
+
+namespace groundscale {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kFrames = 8;
+
+TEST(Scale, MeasuresByEveryMethodAndComparesThemWithTheTruth) {
+  const internal::TempFolder folder;
+  const SyntheticDrive drive;
+  drive.write_kitti(folder / "drive", kFrames);
+  const std::string truth = folder.file("truth.txt", drive.truth(kFrames));
+  const ProgramRun run = run_program({"scale", folder / "drive", "--output", folder / "output", "--truth", truth});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const std::string csv = read_text(folder / "output/methods.csv").value();
+  for (const PlaneMethod& method : ground_methods()) {
+    const std::string name(method.name);
+    EXPECT_THAT(run.out, HasSubstr(name + "\n  measured")) << name;
+    EXPECT_THAT(csv, HasSubstr("1," + name + ",")) << name;
+    // What each has made of the drive is a run's folder.
+    const ProgramRun evaluation = run_program({"evaluate", folder / ("output/" + name), "--truth", truth});
+    EXPECT_EQ(evaluation.status, 0) << evaluation.err;
+  }
+  EXPECT_THAT(run.out, HasSubstr("step / true step - 1"));
+}
+
+TEST(Scale, TakesOnlyTheMethodsThatAreNamed) {
+  const internal::TempFolder folder;
+  const SyntheticDrive drive;
+  drive.write_kitti(folder / "drive", 4);
+  const ProgramRun run = run_program({"scale", folder / "drive", "--output", folder / "output", "--methods", "sparse"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  int folders = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "output")) folders += entry.is_directory();
+  EXPECT_EQ(folders, 1);
+  EXPECT_EQ(run.out.find("step / true"), std::string::npos);
+}
+
+struct Refusal {
+  std::string name;
+  std::string message;
+  std::vector<std::string> arguments;
+};
+
+class ScaleRefuses : public testing::TestWithParam<Refusal> {};
+
+TEST_P(ScaleRefuses, WithTwoAndWritesNothing) {
+  const internal::TempFolder folder;
+  SyntheticDrive{}.write_kitti(folder / "drive", 3);
+  std::vector<std::string> arguments = {"scale", folder / "drive", "--output", folder / "output"};
+  arguments.insert(arguments.end(), GetParam().arguments.begin(), GetParam().arguments.end());
+  const ProgramRun run = run_program(arguments);
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.err, HasSubstr(GetParam().message));
+  EXPECT_FALSE(std::filesystem::exists(folder / "output"));
+  expect_in_bad_input_docs(GetParam().name, 2, GetParam().message);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    BadInput, ScaleRefuses,
+    testing::Values(Refusal{"unknown method", "\"spares\" is no method, known: sparse", {"--methods", "sparse,spares"}},
+                    Refusal{"method named twice", "\"sparse\" is named twice", {"--methods", "sparse,sparse"}},
+                    Refusal{"region with no pixels in the image",
+                            "no road is in view: road.region.polygon_px lies outside the image",
+                            {"--set", "road.region.polygon_px=[2000, 100, 2100, 100, 2100, 200]"}}),
+    [](const auto& refusal) { return test_name_of(refusal.param.name); });
+
+}  // namespace
+}  // namespace groundscale
