@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "groundscale/experiments/plot.hpp"
+#include "groundscale/io/image_file.hpp"
 #include "program.hpp"
 
 namespace groundscale {
@@ -217,6 +218,8 @@ TEST_P(ExperimentRefuses, WithAMessageAndWritesNothing) {
   folder.file("kitti/poses/00.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n");
   folder.file("kitti/poses/07.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n1 0 0 0 0 1 0 0 0 0 1 2\n");
   folder.file("tum/00.txt", "0 0 0 0 0 0 0 1\n1 0 0 1 0 0 0 1\n");
+  folder.file("images/notes.txt", "");
+  ASSERT_TRUE(write_image(folder / "images/000000.png", Image(60, 40)));
   Words arguments = {"experiment"};
   for (std::string word : GetParam().arguments) {
     const std::size_t at = word.find("FOLDER");
@@ -292,6 +295,24 @@ INSTANTIATE_TEST_SUITE_P(
         {"distortion of a fisheye",
          {"vo-kitti", "--output", "OUT", "--preset", "campus", "--distortion", "0.01"},
          "--distortion: the camera of preset 'campus' is no pinhole"},
+        {"unknown method",
+         {"synthetic", "--output", "OUT", "--methods", "sparse,divining"},
+         "--methods: 'divining' is no method, known: sparse"},
+        {"method twice",
+         {"synthetic", "--output", "OUT", "--methods", "sparse,sparse"},
+         "--methods: 'sparse' is there twice"},
+        {"region out of the image",
+         {"synthetic", "--output", "OUT", "--region", "5000,10,6000,10,6000,90"},
+         "--region: no pixel of the image (1241 x 376) lies in it"},
+        {"region of two corners",
+         {"synthetic", "--output", "OUT", "--region", "10,10,60,10"},
+         "--region: x,y of three corners at least are needed"},
+        {"source that is not there",
+         {"synthetic", "--output", "OUT", "--source", "FOLDER/nowhere"},
+         "nowhere: no such folder or file"},
+        {"source without camera",
+         {"synthetic", "--output", "OUT", "--source", "FOLDER/images"},
+         "no calibration: neither camera.yaml nor calib.txt lies there"},
     }),
     [](const auto& row) {
       std::string name = row.param.name;

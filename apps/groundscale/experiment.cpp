@@ -6,10 +6,13 @@
 
 #include "commands.hpp"
 #include "groundscale/experiments/calibration.hpp"
+#include "groundscale/experiments/contamination.hpp"
 #include "groundscale/experiments/drives.hpp"
 #include "groundscale/experiments/experiment.hpp"
 #include "groundscale/experiments/realism.hpp"
 #include "groundscale/experiments/scale_kitti.hpp"
+#include "groundscale/experiments/synthetic.hpp"
+#include "groundscale/experiments/timing.hpp"
 #include "groundscale/experiments/vo_kitti.hpp"
 
 namespace groundscale {
@@ -217,6 +220,14 @@ void add_calibration(CLI::App& parent, int& exit_status) {
   });
 }
 
+/// Which ways to measure the ground.
+void add_methods(CLI::App& command, std::vector<std::string>& methods, const std::string& which) {
+  command.add_option("--methods", methods, "Values of ground.method (" + which + ")")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->option_text("NAME,NAME,...");
+}
+
 void add_scale_kitti(CLI::App& parent, int& exit_status) {
   struct Arguments {
     ExperimentRequest request;
@@ -230,10 +241,7 @@ void add_scale_kitti(CLI::App& parent, int& exit_status) {
   add_common(*command, arguments->request);
   add_recorded_or_simulated(*command, options.drives, arguments->simulate);
   add_choice(*command, options.drives, "default the real ones, else 06,07,10,00:1501, or all routes");
-  command->add_option("--methods", options.methods, "Which (all)")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->option_text("NAME,NAME,...");
+  add_methods(*command, options.methods, "all");
   add_drive_settings(*command, options.drives, arguments->settings);
   command->callback([arguments, &exit_status] {
     prepare(arguments->request);
@@ -243,14 +251,120 @@ void add_scale_kitti(CLI::App& parent, int& exit_status) {
   });
 }
 
+void add_synthetic(CLI::App& parent, int& exit_status) {
+  struct Arguments {
+    ExperimentRequest request;
+    SyntheticOptions options;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  SyntheticOptions& options = arguments->options;
+  CLI::App* command = parent.add_subcommand(kSyntheticName, kSyntheticSummary);
+  add_common(*command, arguments->request);
+  add_methods(*command, options.methods, "triangulation, decomposition, sparse, joint");
+  const auto list = [&](const char* name, std::vector<double>& values, const std::string& what) {
+    return command->add_option(name, values, what)->delimiter(',')->allow_extra_args(false)->option_text("X,X,...");
+  };
+  command
+      ->add_option("--source", options.source,
+                   "A drive, as run takes it, whose road features are taken (the simulator's route `straight`)")
+      ->option_text("PATH");
+  command->add_option("--camera", options.camera, "Camera file of the source, if it isn't the one that lies there");
+  command->add_option("--frames", options.frames, "Frames whose features are taken by turns (40)")
+      ->check(CLI::Range(2, 1000000));
+  list("--region", options.region_px,
+       "x,y,x,y,... of the road region in px (the strip of road.region, straight ahead)");
+  list("--speeds", options.speeds_kmh, "km/h (12.5,50)")->check(CLI::Range(0.1, 1000.0));
+  command->add_option("--rate", options.rate_hz, "Frames a second (10)")->check(CLI::Range(0.1, 1000.0));
+  command->add_option("--max-noise", options.max_noise_px, "px (2)")->check(CLI::Range(0.0, 100.0));
+  command->add_option("--noise-step", options.noise_step_px, "px (0.25)")->check(CLI::Range(0.01, 100.0));
+  command->add_option("--trials", options.trials, "At each noise level (200)")->check(CLI::Range(1, 100000));
+  list("--pitch-errors", options.pitch_errors_deg, "By how many degrees triangulation's pitch is off (0,0.5,1)")
+      ->check(CLI::Range(-45.0, 45.0));
+  command->add_option("--preset", options.drive.preset, "Camera of the simulator's route (kitti)");
+  command->add_option("--seed", options.seed, "Of scene and noise (0)")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", options.drive.threads, "For rendering")->check(CLI::PositiveNumber);
+  command
+      ->add_option("--set", options.assignments,
+                   "KEY=VALUE of ground.plane, motion, road: over settings that refuse nothing for its noise")
+      ->expected(1)
+      ->take_all();
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    exit_status = finish(run_synthetic(arguments->options, arguments->request));
+  });
+}
+
+void add_contamination(CLI::App& parent, int& exit_status) {
+  struct Arguments {
+    ExperimentRequest request;
+    ContaminationOptions options;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  ContaminationOptions& options = arguments->options;
+  CLI::App* command = parent.add_subcommand(kContaminationName, kContaminationSummary);
+  add_common(*command, arguments->request);
+  add_methods(*command, options.methods, "all");
+  command
+      ->add_option("--kitti", options.drives.kitti,
+                   "Folder with KITTI odometry's poses/NN.txt and times, to render drives along; routes without it")
+      ->option_text("PATH");
+  add_choice(*command, options.drives, "default straight:100,city:60, or 07:100");
+  command->add_option("--shares", options.shares_percent, "How much of the region isn't road, % (0,10,20,30,40,50)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Range(0.0, 100.0))
+      ->option_text("X,X,...");
+  command->add_flag("--true-motion", options.true_motion, "R and t of the truth instead of those of the matches");
+  command->add_option("--preset", options.drives.preset, "Camera and its place on the vehicle");
+  command->add_option("--seed", options.drives.seed, "Of world, vehicle and sensor")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", options.drives.threads, "For rendering")->check(CLI::PositiveNumber);
+  command->add_option("--set", options.assignments, "KEY=VALUE of the odometry's configuration")
+      ->expected(1)
+      ->take_all();
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    exit_status = finish(run_contamination(arguments->options, arguments->request));
+  });
+}
+
+void add_timing(CLI::App& parent, int& exit_status) {
+  struct Arguments {
+    ExperimentRequest request;
+    TimingOptions options;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  TimingOptions& options = arguments->options;
+  CLI::App* command = parent.add_subcommand(kTimingName, kTimingSummary);
+  add_common(*command, arguments->request);
+  add_methods(*command, options.methods, "all");
+  command
+      ->add_option("--kitti", options.drives.kitti,
+                   "Folder with KITTI odometry's poses/NN.txt and times, to render drives along; routes without it")
+      ->option_text("PATH");
+  command->add_option("--clips", options.drives.clips, "Real drives instead: NN/image_0 and NN/poses.txt")
+      ->option_text("PATH");
+  add_choice(*command, options.drives, "default city:100, 07:100, or all clips");
+  command->add_option("--preset", options.drives.preset, "Camera and its place on the vehicle");
+  command->add_option("--seed", options.drives.seed, "Of world, vehicle and sensor")->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", options.drives.threads, "For rendering")->check(CLI::PositiveNumber);
+  command->add_option("--set", options.assignments, "KEY=VALUE of the odometry's configuration")
+      ->expected(1)
+      ->take_all();
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    exit_status = finish(run_timing(arguments->options, arguments->request));
+  });
+}
+
 /// Every experiment: a function that adds its subcommand.
-constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives, add_realism,     add_vo_kitti,
-                                                     add_campus, add_calibration, add_scale_kitti};
+constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives,    add_realism,       add_vo_kitti,
+                                                     add_campus,    add_calibration,   add_scale_kitti,
+                                                     add_synthetic, add_contamination, add_timing};
 
 std::string list_of(const CLI::App& command) {
   std::string text;
   for (const CLI::App* experiment : command.get_subcommands([](const CLI::App*) { return true; })) {
-    text += fmt::format("{}{:<12} {}", text.empty() ? "" : "\n", experiment->get_name(), experiment->get_description());
+    text += fmt::format("{}{:<13} {}", text.empty() ? "" : "\n", experiment->get_name(), experiment->get_description());
   }
   return text;
 }

@@ -23,6 +23,7 @@ struct DriveOptions {
   std::string preset = "kitti";                                                ///< Camera and its place on the vehicle.
   std::string camera;       ///< Camera file instead of the preset's camera; "": none.
   std::optional<int> seed;  ///< Of world, vehicle and sensor.
+  bool road_masks = false;  ///< Simulated drives have masks of the road besides.
   int threads = 0;          ///< For rendering, which is the same with any number; 0: one a processor.
 };
 

@@ -19,9 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Told apart by the colour-blind too (Okabe and Ito), dark enough for paper.
-constexpr std::array<std::string_view, 7> kColours = {"#000000", "#0072b2", "#d55e00", "#009e73",
-                                                      "#cc79a7", "#e69f00", "#56b4e9"};
+/// Told apart by the colour-blind too (Okabe and Ito, then Tol), dark enough for paper.
+constexpr std::array<std::string_view, 11> kColours = {"#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00",
+                                                       "#56b4e9", "#882255", "#999933", "#332288", "#888888"};
 
 /// A text in gnuplot's single quotes.
 std::string quoted(const std::string& text) {
@@ -37,6 +37,10 @@ std::string style_of(CurveStyle style, std::size_t curve) {
       return fmt::format("with lines linewidth 1.5 linecolor rgb '{}'", colour);
     case CurveStyle::kPoints:
       return fmt::format("with points pointtype 7 pointsize 0.4 linecolor rgb '{}'", colour);
+    case CurveStyle::kBand:
+      return fmt::format("with filledcurves fillstyle transparent solid 0.15 noborder linecolor rgb '{}'", colour);
+    case CurveStyle::kBars:
+      return fmt::format("with boxes fillstyle solid 0.6 border linecolor rgb '{}'", colour);
     case CurveStyle::kLinesPoints:
       break;
   }
@@ -56,6 +60,12 @@ bool point_of(const std::vector<std::optional<double>>& row, const Curve& curve,
 bool has_points(const Plot& plot, const Curve& curve) {
   double x = 0.0, y = 0.0;
   return std::any_of(plot.rows.begin(), plot.rows.end(), [&](const auto& row) { return point_of(row, curve, x, y); });
+}
+
+/// The columns that a curve is drawn from, as gnuplot counts them.
+std::string columns_of(const Curve& curve) {
+  const std::string columns = fmt::format("{}:{}", curve.x + 1, curve.y + 1);
+  return curve.style == CurveStyle::kBand ? fmt::format("{}:{}", columns, curve.y_high + 1) : columns;
 }
 
 /// Ranges that hold all points and have the picture's proportions, so that equal axes leave no side narrow.
@@ -88,10 +98,10 @@ std::string draw_command(const Plot& plot) {
   for (std::size_t k = 0; k < plot.curves.size(); ++k) {
     const Curve& curve = plot.curves[k];
     if (!has_points(plot, curve)) continue;  // keeps its colour elsewhere
-    text += fmt::format("{}{} skip 1 using {}:{} {} title {}", text == "plot " ? "" : ", \\\n     ",
-                        quoted(plot.name + ".csv"), curve.x + 1, curve.y + 1,
+    text += fmt::format("{}{} skip 1 using {} {} {}", text == "plot " ? "" : ", \\\n     ", quoted(plot.name + ".csv"),
+                        columns_of(curve),
                         style_of(curve.style, static_cast<std::size_t>(curve.colour.value_or(static_cast<int>(k)))),
-                        quoted(curve.title));
+                        curve.title.empty() ? std::string("notitle") : "title " + quoted(curve.title));
   }
   return text + "\n";
 }
@@ -113,9 +123,11 @@ std::string plot_script(const Plot& plot) {
   text += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", quoted(plot.title), quoted(plot.x_label),
                       quoted(plot.y_label));
   // The key has three titles a line below the axis and its label.
+  const auto titles =
+      std::count_if(plot.curves.begin(), plot.curves.end(), [](const Curve& curve) { return !curve.title.empty(); });
   text += fmt::format(
       "set grid linetype 1 linecolor rgb '#dddddd'\nset key outside bottom center horizontal\nset bmargin {}\n",
-      5 + (std::max<std::size_t>(plot.curves.size(), 1) - 1) / 3);
+      5 + (std::max<std::ptrdiff_t>(titles, 1) - 1) / 3);
   if (plot.equal_axes) text += equal_ranges(plot);
   for (const std::string& setting : plot.settings) text += setting + "\n";
   text += fmt::format(

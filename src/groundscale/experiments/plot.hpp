@@ -8,15 +8,17 @@
 
 namespace groundscale {
 
-enum class CurveStyle { kLines, kPoints, kLinesPoints };
+/// kBand: filled between the columns `y` and `y_high`. kBars: boxes from the axis up to `y`.
+enum class CurveStyle { kLines, kPoints, kLinesPoints, kBand, kBars };
 
 /// One curve: column `y` of the data over column `x`, counted from 0.
 struct Curve {
-  std::string title;
+  std::string title;  ///< "": the key says nothing of it.
   int x = 0;
   int y = 1;
   CurveStyle style = CurveStyle::kLines;
   std::optional<int> colour{};  ///< Its number in the palette; as many as curves lie below, where none is said.
+  int y_high = 0;               ///< Of a band.
 };
 
 /// A figure with its data.

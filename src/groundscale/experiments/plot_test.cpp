@@ -44,6 +44,16 @@ TEST(Plot, ScriptNamesDataColumnsAndBothPictures) {
   EXPECT_THAT(script, HasSubstr("set title 'The road''s scale_bias'"));
 }
 
+TEST(Plot, ABandLiesBetweenTwoColumnsWithoutATitleAndBarsAreBoxes) {
+  Plot plot = example();
+  plot.curves[0] = {.title = "", .y = 1, .style = CurveStyle::kBand, .y_high = 2};
+  plot.curves[1].style = CurveStyle::kBars;
+  const std::string script = plot_script(plot);
+  EXPECT_THAT(script, HasSubstr("'step.csv' skip 1 using 1:2:3 with filledcurves"));
+  EXPECT_THAT(script, HasSubstr("noborder linecolor rgb '#000000' notitle"));
+  EXPECT_THAT(script, HasSubstr("'step.csv' skip 1 using 1:3 with boxes"));
+}
+
 TEST(Plot, WithoutDrawingDataAndScriptAreThere) {
   const TempFolder folder;
   ASSERT_TRUE(write_plot(folder.path(), example(), /*draw=*/false));

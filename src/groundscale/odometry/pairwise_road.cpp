@@ -1,49 +1,11 @@
 // The road's part of the pairwise odometry: what is expected, where it is looked for, what is measured and accepted.
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <utility>
 
+#include "groundscale/odometry/pair_observations.hpp"
 #include "groundscale/odometry/pairwise.hpp"
 
 namespace groundscale {
-namespace {
-
-/// Road matches for the plane. Points beside the path count less; with a fixed region nothing is known of a path.
-RoadObservations observations_of(const Matches& matches, const CameraPtr& camera, const TwoViewMotion& motion,
-                                 const DrivenPath& path, const GroundPlane& metric_road, const RegionOptions& options) {
-  RoadObservations observations;
-  observations.camera = camera;
-  observations.cam_from_reference = {RigidTransform{}, motion.cam2_from_cam1};
-  observations.motion_covariance = motion.covariance;
-  for (const Match& match : matches) {
-    RoadPoint point{match.id, match.pixel1, {RoadSight{1, match.pixel2}}};
-    const auto ray = camera->ray(match.pixel1);
-    if (ray && options.polygon_px.empty()) {
-      const double offset = offset_from_path(path, metric_road, *ray) / options.weight_sd_m;
-      constexpr double kMinWeight = 1e-3;
-      point.weight = std::max(kMinWeight, std::exp(-0.5 * offset * offset));
-    }
-    observations.points.push_back(std::move(point));
-  }
-  return observations;
-}
-
-/// Points of the pair over the whole image that agree with its motion.
-std::vector<ScenePoint> scene_of(const Pair& pair) {
-  std::vector<ScenePoint> scene;
-  scene.reserve(pair.motion.inliers.size());
-  auto match = pair.matches.begin();
-  for (const int i : pair.motion.inliers) {
-    const TrackId id = pair.rays[static_cast<std::size_t>(i)].id;
-    match = std::find_if(match, pair.matches.end(), [id](const Match& other) { return other.id == id; });
-    scene.push_back({match->pixel1, match->pixel2});
-  }
-  return scene;
-}
-
-}  // namespace
-
 RoadMeasurement road_measurement(PlaneMeasurement plane, const RoadSights& sights) {
   RoadMeasurement measured;
   measured.curvature_per_m = sights.curvature_per_m;
@@ -67,14 +29,10 @@ Result<PlaneMeasurement> PairwiseOdometry::measure_plane(const EstimatePlane& me
                                                          const RoadWarp& warp, const Image& image) {
   clock_.lap("road tracking");
   const DrivenPath path = path_of(warp);
-  RoadObservations observations =
-      observations_of(road_matches_, camera_, pair.motion, path, warp.road_in_cam1, options_.road.region);
+  RoadObservations observations = observe_pair(pair, road_matches_, camera_, {warp, path}, options_.road.region);
   const MountingEstimate& mounting = chain_.mounting();
   observations.expected_normal = mounting.mean_normal();
   if (!mounting.settled()) observations.normal_prior_factor = options_.ground.unsettled_prior_factor;
-  observations.predicted_plane = {warp.road_in_cam1.normal_in_cam,
-                                  warp.road_in_cam1.height / warp.cam2_from_cam1.translation.norm()};
-  observations.scene = scene_of(pair);
   observations.images = {pair.view->road.image, image};
   observations.region = details_.region;
   road_ = {std::move(observations), path.curvature_per_m};

@@ -1,0 +1,19 @@
+#include "groundscale/experiments/finding.hpp"
+
+#include <fmt/format.h>
+
+namespace groundscale {
+
+std::string in_words(const Finding& finding) {
+  const char* verdict = "not measured";
+  if (finding.reproduced) verdict = *finding.reproduced ? "reproduced" : "not reproduced";
+  return fmt::format("{}: {}: {}", verdict, finding.what, finding.measured);
+}
+
+std::string in_words(const std::vector<Finding>& findings) {
+  std::string text;
+  for (const Finding& finding : findings) text += fmt::format("- {}\n", in_words(finding));
+  return text;
+}
+
+}  // namespace groundscale

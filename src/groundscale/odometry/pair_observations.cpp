@@ -1,0 +1,47 @@
+#include "groundscale/odometry/pair_observations.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace groundscale {
+namespace {
+
+/// Points of the pair over the whole image that agree with its motion.
+std::vector<ScenePoint> scene_of(const Pair& pair) {
+  std::vector<ScenePoint> scene;
+  scene.reserve(pair.motion.inliers.size());
+  auto match = pair.matches.begin();
+  for (const int i : pair.motion.inliers) {
+    const TrackId id = pair.rays[static_cast<std::size_t>(i)].id;
+    match = std::find_if(match, pair.matches.end(), [id](const Match& other) { return other.id == id; });
+    scene.push_back({match->pixel1, match->pixel2});
+  }
+  return scene;
+}
+
+}  // namespace
+
+RoadObservations observe_pair(const Pair& pair, const Matches& road_matches, const CameraPtr& camera,
+                              const ExpectedRoad& expected, const RegionOptions& region) {
+  const GroundPlane& road = expected.warp.road_in_cam1;
+  RoadObservations observations;
+  observations.camera = camera;
+  observations.cam_from_reference = {RigidTransform{}, pair.motion.cam2_from_cam1};
+  observations.motion_covariance = pair.motion.covariance;
+  for (const Match& match : road_matches) {
+    RoadPoint point{match.id, match.pixel1, {RoadSight{1, match.pixel2}}};
+    const auto ray = camera->ray(match.pixel1);
+    if (ray && region.polygon_px.empty()) {
+      const double offset = offset_from_path(expected.path, road, *ray) / region.weight_sd_m;
+      constexpr double kMinWeight = 1e-3;
+      point.weight = std::max(kMinWeight, std::exp(-0.5 * offset * offset));
+    }
+    observations.points.push_back(std::move(point));
+  }
+  observations.predicted_plane = {road.normal_in_cam, road.height / expected.warp.cam2_from_cam1.translation.norm()};
+  observations.scene = scene_of(pair);
+  return observations;
+}
+
+}  // namespace groundscale

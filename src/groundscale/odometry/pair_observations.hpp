@@ -1,0 +1,26 @@
+#pragma once
+
+#include "groundscale/camera/camera.hpp"
+#include "groundscale/odometry/views.hpp"
+#include "groundscale/plane/observations.hpp"
+#include "groundscale/road/region.hpp"
+#include "groundscale/road/road_tracker.hpp"
+#include "groundscale/tracking/matches.hpp"
+
+namespace groundscale {
+
+/// What is expected of a pair before its road is measured, in metres.
+struct ExpectedRoad {
+  RoadWarp warp;
+  DrivenPath path;
+};
+
+/// A pair's road matches as what a plane is measured from: the pair's motion with its covariance, |t| = 1; the road's
+/// points, which count less the farther they lie from the path (all alike in a fixed region, where nothing is known of
+/// a path); the points of the whole image that agree with the motion; the plane that is expected. Of the normal, images
+/// and region nothing is said.
+/// O(points).
+RoadObservations observe_pair(const Pair& pair, const Matches& road_matches, const CameraPtr& camera,
+                              const ExpectedRoad& expected, const RegionOptions& region);
+
+}  // namespace groundscale
