@@ -18,7 +18,7 @@ THIRD_PARTIES = {
     "fmt/": None,
     "opencv2/": {"io", "tracking", "plane", "road", "mapping", "report", "tests"},
     "yaml-cpp/": {"io"},
-    "nlohmann/": {"io", "odometry", "evaluation", "experiments"},
+    "nlohmann/": {"io", "odometry", "evaluation", "report", "experiments"},
     "expat.h": {"io"},
     "opengv/": {"motion", "mapping"},
     "ceres/": {"plane", "mapping"},

@@ -26,6 +26,7 @@ int report_failure(const Error& error);
 void add_run(CLI::App& app, int& exit_status);
 void add_scale(CLI::App& app, int& exit_status);
 void add_evaluate(CLI::App& app, int& exit_status);
+void add_report(CLI::App& app, int& exit_status);
 void add_calibrate(CLI::App& app, int& exit_status);
 void add_height(CLI::App& app, int& exit_status);
 void add_config(CLI::App& app, int& exit_status);

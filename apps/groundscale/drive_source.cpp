@@ -138,12 +138,12 @@ Result<CameraSetup> metric_camera(const SourceArguments& arguments, const RunSou
   return std::move(choice->setup);
 }
 
-Result<void> check_truth(const std::string& path, const Sequence& sequence) {
-  if (path.empty()) return {};
-  const auto truth = read_trajectory(path);
+Result<Trajectory> open_truth(const std::string& path, const Sequence& sequence) {
+  if (path.empty()) return Trajectory();
+  auto truth = read_trajectory(path);
   if (!truth) return Error{ErrorCode::kBadInput, "--truth " + truth.error().message};
   const int needed = sequence.first_frame() + sequence.frame_count();
-  if (truth->size() >= needed) return {};
+  if (truth->size() >= needed) return truth;
   return Error{ErrorCode::kBadInput, fmt::format("--truth {}: {} rows, but the last frame is {}: it must have at least "
                                                  "{} rows",
                                                  path, truth->size(), needed - 1, needed)};

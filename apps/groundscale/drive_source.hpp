@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "groundscale/core/result.hpp"
+#include "groundscale/geometry/trajectory.hpp"
 #include "groundscale/io/camera_file.hpp"
 #include "groundscale/io/road_masks.hpp"
 #include "groundscale/io/sequence.hpp"
@@ -58,8 +59,8 @@ Result<void> choose_height(const SourceArguments& arguments, const RunSource& so
 Result<CameraSetup> metric_camera(const SourceArguments& arguments, const RunSource& source, const Sequence& sequence,
                                   RunSummary& summary);
 
-/// Found out before the work: a truth of all frames. An empty path is none.
-Result<void> check_truth(const std::string& path, const Sequence& sequence);
+/// Found out before the work: a truth of all frames; an empty one where none is named.
+Result<Trajectory> open_truth(const std::string& path, const Sequence& sequence);
 
 /// For config.yaml: what was left to be found is filled in.
 std::string config_in_force(RunConfig config, const Sequence& sequence, const RunSummary& summary);

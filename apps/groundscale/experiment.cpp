@@ -10,6 +10,7 @@
 #include "groundscale/experiments/drives.hpp"
 #include "groundscale/experiments/experiment.hpp"
 #include "groundscale/experiments/realism.hpp"
+#include "groundscale/experiments/scale_kitti.hpp"
 #include "groundscale/experiments/synthetic.hpp"
 #include "groundscale/experiments/timing.hpp"
 #include "groundscale/experiments/vo_kitti.hpp"
@@ -41,6 +42,18 @@ void add_drive_settings(CLI::App& command, DriveOptions& drives, RunSettings& se
   command.add_option("--threads", drives.threads, "For rendering; the images are the same with any number")
       ->check(CLI::PositiveNumber);
   command.add_option("--set", settings.assignments, "KEY=VALUE of the run's configuration")->expected(1)->take_all();
+}
+
+/// Drives that are there, or simulated in their place.
+void add_recorded_or_simulated(CLI::App& command, DriveOptions& drives, bool& simulate) {
+  command
+      .add_option("--kitti", drives.kitti,
+                  "KITTI odometry: poses/NN.txt and times; sequences/NN with images are real drives, others simulated. "
+                  "Built-in routes without it")
+      ->option_text("PATH");
+  command.add_option("--clips", drives.clips, "Real drives instead: NN/image_0 and NN/poses.txt")->option_text("PATH");
+  command.add_flag("--simulate", simulate, "Simulate those of --kitti that have images, too");
+  command.add_option("--preset", drives.preset, "Camera and its place on the vehicle");
 }
 
 int finish(const Result<ExperimentOutcome>& outcome) {
@@ -145,19 +158,10 @@ void add_vo_kitti(CLI::App& parent, int& exit_status) {
   const auto arguments = std::make_shared<ContestArguments>();
   ContestOptions& options = arguments->options;
   CLI::App* command = parent.add_subcommand(kVoKittiName, kVoKittiSummary);
-  command
-      ->add_option(
-          "--kitti", options.drives.kitti,
-          "KITTI odometry: poses/NN.txt and times; sequences/NN with images are real drives, others simulated. "
-          "Built-in routes without it")
-      ->option_text("PATH");
-  command->add_option("--clips", options.drives.clips, "Real drives instead: NN/image_0 and NN/poses.txt")
-      ->option_text("PATH");
-  command->add_flag("--simulate", arguments->simulate, "Simulate those of --kitti that have images, too");
+  add_recorded_or_simulated(*command, options.drives, arguments->simulate);
   command->add_option("--distortion", options.distortion,
                       "Render with this k1, and run as if the camera had no distortion");
   add_choice(*command, options.drives, "default the real ones, else 03,06,07,10,00:1501, or all routes");
-  command->add_option("--preset", options.drives.preset, "Camera and its place on the vehicle");
   add_contest(*command, *arguments);
   command->callback([arguments, &exit_status] {
     prepare(arguments->request);
@@ -329,9 +333,33 @@ void add_timing(CLI::App& parent, int& exit_status) {
   });
 }
 
+void add_scale_kitti(CLI::App& parent, int& exit_status) {
+  struct Arguments {
+    ExperimentRequest request;
+    ScaleKittiOptions options;
+    RunSettings settings;
+    bool simulate = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  ScaleKittiOptions& options = arguments->options;
+  CLI::App* command = parent.add_subcommand(kScaleKittiName, kScaleKittiSummary);
+  add_common(*command, arguments->request);
+  add_recorded_or_simulated(*command, options.drives, arguments->simulate);
+  add_choice(*command, options.drives, "default the real ones, else 06,07,10,00:1501, or all routes");
+  add_methods(*command, options.methods, "all");
+  add_drive_settings(*command, options.drives, arguments->settings);
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    arguments->options.drives.use_images = !arguments->simulate;
+    arguments->settings.seed = arguments->options.drives.seed;
+    exit_status = finish(run_scale_kitti(arguments->options, arguments->settings, arguments->request));
+  });
+}
+
 /// Every experiment: a function that adds its subcommand.
-constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives,      add_realism,   add_vo_kitti,      add_campus,
-                                                     add_calibration, add_synthetic, add_contamination, add_timing};
+constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives,    add_realism,       add_vo_kitti,
+                                                     add_campus,    add_calibration,   add_scale_kitti,
+                                                     add_synthetic, add_contamination, add_timing};
 
 std::string list_of(const CLI::App& command) {
   std::string text;

@@ -28,6 +28,7 @@ int run_program(int argc, char** argv) {
   add_height(app, exit_status);
   add_scale(app, exit_status);
   add_evaluate(app, exit_status);
+  add_report(app, exit_status);
   add_simulate(app, exit_status);
   add_experiment(app, exit_status);
   add_config(app, exit_status);

@@ -26,6 +26,8 @@
 #include "groundscale/odometry/run_writer.hpp"
 #include "groundscale/odometry/speed_check.hpp"
 #include "groundscale/report/overlay.hpp"
+#include "groundscale/report/run_report.hpp"
+#include "groundscale/report/sample_frames.hpp"
 #include "progress.hpp"
 
 namespace groundscale {
@@ -36,6 +38,7 @@ struct RunArguments {
   std::string output;
   std::string overlay_folder;
   std::string truth;
+  bool no_report = false;
   bool force = false;
   bool quiet = false;
 };
@@ -56,10 +59,20 @@ struct Drive {
   const Camera& camera;
   const std::optional<RoadMasks>& masks;
   Odometry& odometry;
+  const Trajectory& truth;  ///< Empty where there is none.
 };
 
-Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments& arguments, RunSummary& summary) {
-  auto& [sequence, camera, masks, odometry] = drive;
+/// Distance from the frame before; nothing without truth or for the first of all.
+std::optional<double> true_step_m(const Trajectory& truth, int frame) {
+  if (frame < 1 || frame >= truth.size()) return std::nullopt;
+  const auto& poses = truth.world_from_cam;
+  const auto row = static_cast<std::size_t>(frame);
+  return (poses[row].translation - poses[row - 1].translation).norm();
+}
+
+Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments& arguments, RunSummary& summary,
+                       SampleFrames& samples) {
+  auto& [sequence, camera, masks, odometry, truth] = drive;
   Progress progress(!arguments.quiet, sequence.frame_count());
   const auto start = std::chrono::steady_clock::now();
   std::vector<double> frame_ms;
@@ -74,6 +87,7 @@ Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments
     const FrameResult& result = odometry.advance(*frame, mask_of(*frame, masks, summary.warnings));
     if (const auto done = writer.write_online(odometry); !done) return done;
     frame_ms.push_back(1e3 * seconds_since(frame_start));
+    if (!arguments.no_report) samples.take(*frame, odometry, camera, true_step_m(truth, frame->index));
     if (!arguments.overlay_folder.empty()) {
       if (const auto done = write_overlay(arguments.overlay_folder, *frame, odometry, camera); !done) return done;
     }
@@ -92,7 +106,7 @@ Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments
   return {};
 }
 
-void print_summary(const RunSummary& s, const std::string& output) {
+void print_summary(const RunSummary& s, const RunArguments& arguments) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   fmt::print("frames               {:>10}    {} moving, {} still, {} turning in place, {} bridged, {} lost\n", s.frames,
              s.moving, s.still, s.rotating, s.bridged, s.lost);
@@ -115,7 +129,9 @@ void print_summary(const RunSummary& s, const std::string& output) {
   fmt::print("time a frame         {:>10.1f} ms   median; 95 % below {:.1f} ms\n", s.median_ms, s.p95_ms);
   fmt::print("camera height        {:>10.3f} m    from {}: 1 cm more makes every length {:.2f} % longer\n",
              s.camera_height_m, s.camera_height_from, 1.0 / s.camera_height_m);
-  fmt::print("trajectory           {}\n", (std::filesystem::path(output) / "trajectory.kitti").string());
+  const std::filesystem::path output = arguments.output;
+  fmt::print("trajectory           {}\n", (output / "trajectory.kitti").string());
+  if (!arguments.no_report) fmt::print("report               {}\n", (output / "report.html").string());
 }
 
 /// Found out before anything is written: pictures never fall on what they show, nor on anything else unasked.
@@ -155,6 +171,17 @@ Result<void> print_evaluation(const std::string& output, const std::string& trut
   return {};
 }
 
+/// Sample pictures and the report, from what lies in the folder by now.
+Result<void> report(const std::string& output, const SampleFrames& samples) {
+  const auto failed = [&output](const Error& error) {
+    return Error{ErrorCode::kIo, fmt::format("{} is whole but for its report: {}", output, error.message)};
+  };
+  const std::string folder = (std::filesystem::path(output) / "samples").string();
+  if (const auto written = write_samples(folder, samples.chosen()); !written) return failed(written.error());
+  if (const auto written = write_run_report(output); !written) return failed(written.error());
+  return {};
+}
+
 Result<void> run(const RunArguments& arguments) {
   RunSummary summary;
   auto config = read_config(arguments.source);
@@ -164,7 +191,8 @@ Result<void> run(const RunArguments& arguments) {
   if (!sequence) return sequence.error();
   const auto setup = metric_camera(arguments.source, source, **sequence, summary);
   if (!setup) return setup.error();
-  if (const auto fits = check_truth(arguments.truth, **sequence); !fits) return fits;
+  const auto truth = open_truth(arguments.truth, **sequence);
+  if (!truth) return truth.error();
   const auto masks = open_masks(source.road_masks, **sequence);
   if (!masks) return masks.error();
   auto odometry = make_odometry(*setup, config->odometry);
@@ -186,8 +214,10 @@ Result<void> run(const RunArguments& arguments) {
       config->odometry.odometry.mode == OdometryMode::kPairwise) {
     summary.warnings.emplace_back("camera.refine: online has no effect in pairwise mode");
   }
-  const Drive drive{**sequence, *setup->camera, *masks, **odometry};
-  if (const auto done = carry_out(drive, *writer, arguments, summary); !done) return done;
+  if (!arguments.truth.empty()) summary.truth = std::filesystem::absolute(arguments.truth).string();
+  const Drive drive{**sequence, *setup->camera, *masks, **odometry, *truth};
+  SampleFrames samples((*sequence)->frame_count());
+  if (const auto done = carry_out(drive, *writer, arguments, summary, samples); !done) return done;
   for (const std::string& warning : (*sequence)->warnings()) summary.warnings.push_back(warning);
   add_figures(**odometry, summary);
   if (!(*odometry)->scaled())
@@ -195,8 +225,11 @@ Result<void> run(const RunArguments& arguments) {
   if (const auto done = writer->finish(**odometry, summary, config_in_force(*config, **sequence, summary)); !done) {
     return done;
   }
+  if (!arguments.no_report) {
+    if (const auto done = report(arguments.output, samples); !done) return done;
+  }
   for (const std::string& warning : summary.warnings) say("warning: " + warning);
-  print_summary(summary, arguments.output);
+  print_summary(summary, arguments);
   return arguments.truth.empty() ? Result<void>() : print_evaluation(arguments.output, arguments.truth);
 }
 
@@ -209,6 +242,7 @@ void add_run(CLI::App& app, int& exit_status) {
   command->add_option("--output", arguments->output, "Folder for the results")->required();
   command->add_option("--overlay", arguments->overlay_folder, "Folder for pictures of what was measured in each frame");
   command->add_option("--truth", arguments->truth, "True trajectory; the result is compared with it at the end");
+  command->add_flag("--no-report", arguments->no_report, "Neither report.html nor its pictures");
   command->add_flag("--force", arguments->force, "Overwrite the output");
   command->add_flag("--quiet", arguments->quiet, "No progress");
   command->callback([arguments, &exit_status] {

@@ -151,7 +151,7 @@ Result<void> scale(const ScaleArguments& arguments) {
   if (!sequence) return sequence.error();
   const auto setup = metric_camera(arguments.source, config->run, **sequence, summary);
   if (!setup) return setup.error();
-  if (const auto fits = check_truth(arguments.truth, **sequence); !fits) return fits;
+  if (const auto truth = open_truth(arguments.truth, **sequence); !truth) return truth.error();
   const auto masks = open_masks(config->run.road_masks, **sequence);
   if (!masks) return masks.error();
   auto comparison = MethodComparison::create(*setup, config->odometry, *methods);

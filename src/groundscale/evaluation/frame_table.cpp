@@ -16,29 +16,31 @@ namespace {
 
 using internal::bad_input;
 
-enum Column { kFrame, kTime, kStepSd, kOnlineStep, kRawStep, kRawStepSd, kReason, kOnlineStepSd, kColumns };
+enum Column {
+  kFrame,
+  kTime,
+  kStepSd,
+  kOnlineStep,
+  kRawStep,
+  kRawStepSd,
+  kReason,
+  kOnlineStepSd,
+  kState,
+  kStep,
+  kPitch,
+  kRoll,
+  kRoadMatches,
+  kRoadInliers,
+  kMapScale,
+  kDriftRatio,
+  kColumns
+};
 /// Those from here on may be missing.
 constexpr std::size_t kNeeded = kOnlineStepSd;
-constexpr std::array<std::string_view, kColumns> kNames{"frame",      "time_s",        "step_sd_m", "online_step_m",
-                                                        "raw_step_m", "raw_step_sd_m", "reason",    "online_step_sd_m"};
-
-/// Fields of a line of comma separated values; "" inside quotes is a quote.
-std::vector<std::string> split_fields(std::string_view line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
-      fields.back() += line[i++];
-    } else if (line[i] == '"') {
-      quoted = !quoted;
-    } else if (line[i] == ',' && !quoted) {
-      fields.emplace_back();
-    } else {
-      fields.back() += line[i];
-    }
-  }
-  return fields;
-}
+constexpr std::array<std::string_view, kColumns> kNames{
+    "frame", "time_s", "step_sd_m", "online_step_m", "raw_step_m",   "raw_step_sd_m", "reason",    "online_step_sd_m",
+    "state", "step_m", "pitch_deg", "roll_deg",      "road_matches", "road_inliers",  "map_scale", "drift_ratio"};
+constexpr double kLowest = std::numeric_limits<double>::lowest();
 
 struct Header {
   std::size_t width = 0;
@@ -46,7 +48,7 @@ struct Header {
 };
 
 Result<Header> parse_header(std::string_view line, const std::string& path) {
-  const std::vector<std::string> names = split_fields(line);
+  const std::vector<std::string> names = internal::csv_fields(line);
   Header header;
   header.width = names.size();
   for (std::size_t column = 0; column < kColumns; ++column) {
@@ -103,7 +105,7 @@ class RowParser {
 };
 
 Result<FrameRow> parse_row(const internal::Line& line, const Header& header, const std::string& path) {
-  const std::vector<std::string> fields = split_fields(line.text);
+  const std::vector<std::string> fields = internal::csv_fields(line.text);
   std::string place = fmt::format("{}:{}", path, line.number);
   if (fields.size() != header.width) {
     return bad_input(fmt::format("{}: {} fields, the header has {}", place, fields.size(), header.width));
@@ -111,13 +113,21 @@ Result<FrameRow> parse_row(const internal::Line& line, const Header& header, con
   RowParser parser(fields, header, std::move(place));
   FrameRow row;
   row.frame = parser.frame_number();
-  row.time_s = parser.number(kTime, -std::numeric_limits<double>::max());
+  row.time_s = parser.number(kTime, kLowest);
   row.step_sd_m = parser.number(kStepSd, 0.0);
   row.online_step_m = parser.number(kOnlineStep, 0.0);
   row.online_step_sd_m = parser.number(kOnlineStepSd, 0.0);
   row.raw_step_m = parser.number(kRawStep, 0.0);
   row.raw_step_sd_m = parser.number(kRawStepSd, 0.0);
   row.reason = parser.field(kReason);
+  row.state = parser.field(kState);
+  row.step_m = parser.number(kStep, 0.0);
+  row.pitch_deg = parser.number(kPitch, kLowest);
+  row.roll_deg = parser.number(kRoll, kLowest);
+  row.road_matches = parser.number(kRoadMatches, 0.0);
+  row.road_inliers = parser.number(kRoadInliers, 0.0);
+  row.map_scale = parser.number(kMapScale, 0.0);
+  row.drift_ratio = parser.number(kDriftRatio, 0.0);
   if (!parser.result()) return parser.result().error();
   return row;
 }

@@ -8,7 +8,7 @@
 
 namespace groundscale {
 
-/// What an evaluation needs of a row of a run's `frames.csv`.
+/// A row of a run's `frames.csv`. Evaluations need the columns that come first; the others may be missing.
 struct FrameRow {
   int frame = 0;  ///< Number in the source.
   std::optional<double> time_s;
@@ -18,6 +18,12 @@ struct FrameRow {
   std::optional<double> raw_step_m;  ///< At the scale of this frame's own plane measurement.
   std::optional<double> raw_step_sd_m;
   std::string reason;  ///< Why the measurement was refused; empty where it was accepted or there was none.
+
+  std::string state;  ///< "moving" and the like.
+  std::optional<double> step_m;
+  std::optional<double> pitch_deg, roll_deg;  ///< Of the measured road.
+  std::optional<double> road_matches, road_inliers;
+  std::optional<double> map_scale, drift_ratio;
 
   bool accepted() const { return reason.empty() && raw_step_m.has_value(); }
 };

@@ -40,6 +40,18 @@ TEST(FrameTable, KeepsNumbersAndLeavesEmptyFieldsEmpty) {
   EXPECT_EQ(rows->back().raw_step_sd_m, 0.05);
 }
 
+TEST(FrameTable, ReadsWhatReportsShowWhereItIsThere) {
+  const auto rows = table(kHeader + "16,1.6,moving,1.02,0.03,1.04,1.06,0.05,-1,0.5,9,8,7,\n");
+  ASSERT_TRUE(rows) << rows.error().message;
+  EXPECT_EQ(rows->front().state, "moving");
+  EXPECT_EQ(rows->front().step_m, 1.02);
+  EXPECT_EQ(rows->front().pitch_deg, -1.0);
+  EXPECT_EQ(rows->front().roll_deg, 0.5);
+  EXPECT_EQ(rows->front().road_matches, 8.0);
+  EXPECT_EQ(rows->front().road_inliers, 7.0);
+  EXPECT_FALSE(rows->front().map_scale || rows->front().drift_ratio);
+}
+
 TEST(FrameTable, AMeasurementIsAcceptedWhereThereIsOneAndNoReasonAgainstIt) {
   const auto rows = table(kHeader +
                           "0,0,still,,,,,,,,,,,\n1,0.1,moving,,,,1.1,0.1,,,,,,\n2,0.2,moving,,,,1.1,0.1,,,,,,"

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "groundscale/experiments/calibration_report_internal.hpp"
+#include "groundscale/experiments/report_parts.hpp"
 #include "groundscale/io/files.hpp"
 
 namespace groundscale {
@@ -73,7 +74,7 @@ Result<ExperimentOutcome> report(const Progress& progress, const ExperimentReque
   std::vector<std::string> commands;
   for (const auto& [name, drive] : progress.drives) commands.push_back(drive.command);
   const std::string text = internal::calibration_report(progress.parts, commands, outcome.problems, request);
-  if (const auto written = write_text(outcome.report, text); !written) return written.error();
+  if (const auto written = write_report(outcome.report, text); !written) return written.error();
   return outcome;
 }
 

@@ -168,7 +168,7 @@ Result<ExperimentOutcome> report(const Contest& contest, const ContestResult& so
   for (const Aim& aim : result.aims) outcome.table += fmt::format("\n{}", in_words(aim));
   outcome.problems = result.problems;
   const std::string text = internal::contest_report(contest, result, plots, request, drawn);
-  if (const auto written = write_text(outcome.report, text); !written) return written.error();
+  if (const auto written = write_report(outcome.report, text); !written) return written.error();
   return outcome;
 }
 

@@ -38,7 +38,7 @@ Result<ExperimentOutcome> report(const std::vector<FinishedDrive>& drives, std::
   outcome.table = internal::drives_overview(table);
   outcome.problems = problems;
   const std::string text = internal::drives_report(drives, *plots, request, problems, drawn);
-  if (const auto written = write_text(outcome.report, text); !written) return written.error();
+  if (const auto written = write_report(outcome.report, text); !written) return written.error();
   return outcome;
 }
 

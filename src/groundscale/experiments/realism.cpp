@@ -9,6 +9,7 @@
 
 #include "groundscale/experiments/image_statistics.hpp"
 #include "groundscale/experiments/recorded_drive.hpp"
+#include "groundscale/experiments/report_parts.hpp"
 #include "groundscale/experiments/table.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/trajectory_file.hpp"
@@ -192,7 +193,7 @@ Result<ExperimentOutcome> report(const std::vector<Comparison>& comparisons, con
   if (const auto written = write_text((output / "realism.csv").string(), csv_of(comparisons)); !written) {
     return written.error();
   }
-  if (const auto written = write_text(outcome.report, text); !written) return written.error();
+  if (const auto written = write_report(outcome.report, text); !written) return written.error();
   return outcome;
 }
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "groundscale/report/markdown.hpp"
+
 namespace groundscale {
 
 bool write_figures(const std::string& output, const std::vector<Plot>& plots, std::vector<std::string>& problems) {
@@ -35,6 +37,10 @@ std::string figures_section(const std::vector<Plot>& plots, bool drawn) {
                   : fmt::format("- {}: not drawn, `figures/{}.gp`\n", plot.title, plot.name);
   }
   return drawn ? text : text + "\n";
+}
+
+Result<void> write_report(const std::string& path, const std::string& markdown) {
+  return write_markdown_report(path, markdown);
 }
 
 std::string bullet_list(const std::vector<std::string>& items) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "groundscale/core/result.hpp"
 #include "groundscale/experiments/plot.hpp"
 
 namespace groundscale {
@@ -16,6 +17,10 @@ bool write_figures(const std::string& output, const std::vector<Plot>& plots, st
 
 /// The section with all figures, or with their scripts where they aren't drawn.
 std::string figures_section(const std::vector<Plot>& plots, bool drawn);
+
+/// Writes an experiment's report: the Markdown, and `report.html` beside it, which holds its figures as well.
+/// @param path  Of the Markdown file. @return kIo.
+Result<void> write_report(const std::string& path, const std::string& markdown);
 
 /// A line an item and an empty one below; "" without items.
 std::string bullet_list(const std::vector<std::string>& items);

@@ -39,6 +39,8 @@ std::string shortest(double value);
 
 /// A CSV field: in quotes where it holds a comma, a quote or a line's end, which becomes a blank.
 std::string csv_text(std::string_view text);
+/// Fields of a line of comma separated values; "" inside quotes is a quote.
+std::vector<std::string> csv_fields(std::string_view line);
 
 Error bad_input(std::string message);
 

@@ -23,7 +23,21 @@ namespace fs = std::filesystem;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::string_view kFiles[] = {"trajectory.kitti", "trajectory.tum", "online.kitti", "online.tum",
-                                       "frames.csv",       "summary.json",   "config.yaml"};
+                                       "frames.csv",       "summary.json",   "config.yaml",  "report.html"};
+
+/// Pictures of an earlier run, which lie in a folder of their own; what else is there stays.
+void remove_samples(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> old;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    const std::string digits = name.substr(0, name.find('.'));
+    const bool numbered = digits.size() >= 6 && digits.find_first_not_of("0123456789") == std::string::npos;
+    if (name == "samples.csv" || (numbered && name == digits + ".jpg")) old.push_back(entry->path());
+  }
+  for (const fs::path& file : old) fs::remove(file, error);
+  fs::remove(folder, error);  // which does nothing where something is left in it
+}
 
 std::string frames_csv(const std::vector<FrameResult>& results) {
   std::string csv =
@@ -53,6 +67,7 @@ std::string summary_json(const RunSummary& s) {
   nlohmann::ordered_json json;
   json["version"] = GROUNDSCALE_VERSION;
   json["source"] = s.source;
+  json["truth"] = s.truth.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(s.truth);
   json["first_frame"] = s.first_frame;
   json["frames"] = s.frames;
   json["seed"] = s.seed;
@@ -213,6 +228,7 @@ Result<RunWriter> RunWriter::create(const std::string& folder, bool force) {
   if (const auto made = make_output_folder("--output", folder); !made) return made.error();
   std::error_code error;
   for (const std::string_view file : kFiles) fs::remove(fs::path(folder) / file, error);
+  remove_samples(fs::path(folder) / "samples");
   auto kitti = LineWriter::create((fs::path(folder) / "online.kitti").string());
   if (!kitti) return Error{ErrorCode::kBadInput, kitti.error().message};
   auto tum = LineWriter::create((fs::path(folder) / "online.tum").string());

@@ -27,7 +27,9 @@ struct MatchingFigures {
 
 /// What a run was made of and what came of it, for summary.json and the table at the end.
 struct RunSummary {
+  std::string version;  ///< Of the program that wrote it.
   std::string source;
+  std::string truth;  ///< What the run was compared with; empty where it wasn't.
   int first_frame = 0;
   int frames = 0;
   int seed = 0;
@@ -72,7 +74,8 @@ void add_figures(const DriveOutcome& outcome, RunSummary& summary);
 /// beside and renamed.
 class RunWriter {
  public:
-  /// Makes the folder. @return kBadInput where it holds something and `force` is not set, or can't be written.
+  /// Makes the folder and removes what an earlier run left there, report and sample pictures included. @return
+  /// kBadInput where it holds something and `force` is not set, or can't be written.
   static Result<RunWriter> create(const std::string& folder, bool force);
 
   /// Online rows of all frames that have their scale by now.

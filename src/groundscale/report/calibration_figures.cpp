@@ -6,71 +6,11 @@
 
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/report/calibration_figures_internal.hpp"
+#include "groundscale/report/chart_internal.hpp"
 #include "groundscale/report/markup_internal.hpp"
 
 namespace groundscale::internal {
 namespace {
-
-// A figure's own units. The margins leave room for the larger letters of narrow figures.
-constexpr double kWidth = 760.0;
-constexpr double kLeft = 104.0;
-constexpr double kRight = 24.0;
-constexpr double kTop = 14.0;
-constexpr double kBottom = 70.0;
-constexpr double kPlotWidth = kWidth - kLeft - kRight;
-
-/// The plotted part of a figure, and what its axes show.
-struct Plot {
-  double height = 0.0;  ///< Of the plotted part.
-  double width = kPlotWidth;
-  double low_x = 0.0, high_x = 1.0;
-  double top_y = 1.0, bottom_y = 0.0;
-
-  double x(double value) const { return kLeft + (value - low_x) / (high_x - low_x) * width; }
-  double y(double value) const { return kTop + (value - top_y) / (bottom_y - top_y) * height; }
-};
-
-std::string line(double x1, double y1, double x2, double y2, std::string_view shape) {
-  return fmt::format("<line class=\"{}\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n", shape, coordinate(x1),
-                     coordinate(y1), coordinate(x2), coordinate(y2));
-}
-
-std::string text(double x, double y, std::string_view anchor, std::string_view words) {
-  return fmt::format("<text x=\"{}\" y=\"{}\" dy=\"0.36em\" text-anchor=\"{}\">{}</text>\n", coordinate(x),
-                     coordinate(y), anchor, escape_html(words));
-}
-
-std::string begin_svg(const Plot& plot, std::string_view name) {
-  return fmt::format(
-      "<svg class=\"plot\" viewBox=\"0 0 {} {}\" preserveAspectRatio=\"xMinYMid\" role=\"img\" aria-label=\"{}\">\n",
-      coordinate(kWidth), coordinate(kTop + plot.height + kBottom), escape_html(name));
-}
-
-/// Frame, ticks and names of both axes. @param grid  With lines through the plot.
-std::string axes(const Plot& plot, std::string_view x_name, std::string_view y_name, bool grid) {
-  std::string svg;
-  const double bottom = kTop + plot.height;
-  const Ticks x_ticks = ticks_between(plot.low_x, plot.high_x, 6);
-  for (const double value : x_ticks.values) {
-    const double x = plot.x(value);
-    svg += line(x, grid ? kTop : bottom, x, bottom + 6.0, grid ? "grid" : "tick");
-    svg += text(x, bottom + 22.0, "middle", x_ticks.label(value));
-  }
-  const auto [low_y, high_y] = std::minmax(plot.bottom_y, plot.top_y);
-  const Ticks y_ticks = ticks_between(low_y, high_y, plot.height < 250.0 ? 3 : 5);
-  for (const double value : y_ticks.values) {
-    const double y = plot.y(value);
-    svg += line(kLeft - 6.0, y, grid ? kLeft + plot.width : kLeft, y, grid ? "grid" : "tick");
-    svg += text(kLeft - 10.0, y, "end", y_ticks.label(value));
-  }
-  svg += fmt::format("<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n", coordinate(kLeft),
-                     coordinate(kTop), coordinate(plot.width), coordinate(plot.height));
-  svg += text(kLeft + 0.5 * plot.width, bottom + 52.0, "middle", x_name);
-  const double middle = kTop + 0.5 * plot.height;
-  svg += fmt::format("<g transform=\"translate(20 {}) rotate(-90)\">{}</g>\n", coordinate(middle),
-                     text(0.0, 0.0, "middle", y_name));
-  return svg;
-}
 
 /// An arrow about a place, as long as the vector; a dot where that is too short to be seen.
 std::string arrow(const Eigen::Vector2d& middle, const Eigen::Vector2d& vector) {
@@ -254,7 +194,7 @@ SlopeFigure slope_figure(const ScaleSlope* before, const ScaleSlope* after, std:
   const Plot plot = slope_plot(slopes);
   SlopeFigure figure;
   figure.svg = begin_svg(plot, name) + axes(plot, "distance driven, m", "scale, % off the ground's", true);
-  figure.svg += line(kLeft, plot.y(0.0), kLeft + plot.width, plot.y(0.0), "zero");
+  figure.svg += svg_line(kLeft, plot.y(0.0), kLeft + plot.width, plot.y(0.0), "zero");
   if (before != nullptr) figure.svg += marks(*before, SlopeSeries::kBefore, plot, figure);
   if (after != nullptr) figure.svg += marks(*after, SlopeSeries::kAfter, plot, figure);
   if (before != nullptr) figure.svg += fitted_line(*before, SlopeSeries::kBefore, plot);

@@ -4,76 +4,21 @@
 #include <cmath>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "groundscale/io/files.hpp"
 #include "groundscale/report/calibration_figures_internal.hpp"
 #include "groundscale/report/markup_internal.hpp"
+#include "groundscale/report/page_internal.hpp"
 
 namespace groundscale {
 namespace {
 
 using internal::escape_html;
-
-// Letters of a figure grow where it is narrow, since the figure as a whole shrinks.
-constexpr std::string_view kStyle = R"(
-:root { color-scheme: light; }
-body { margin: 0 auto; max-width: 52rem; padding: 1rem; background: #ffffff; color: #1c1c1c;
-  font: 16px/1.5 system-ui, "DejaVu Sans", "Liberation Sans", Arial, sans-serif; }
-h1 { font-size: 1.5rem; line-height: 1.25; margin: 0.5rem 0 1rem; overflow-wrap: anywhere; }
-h2 { font-size: 1.15rem; margin: 2rem 0 0.5rem; border-bottom: 1px solid #c8c8c8; }
-h3 { font-size: 1rem; margin: 1rem 0 0.25rem; overflow-wrap: anywhere; }
-p { margin: 0.5rem 0; }
-.verdict { border-left: 0.4rem solid #b45309; background: #fdf4e7; padding: 0.6rem 0.9rem; font-weight: 600; }
-.verdict.adopted { border-color: #15803d; background: #eef8f0; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
-th, td { text-align: right; white-space: nowrap; padding: 0.3rem 0.4rem; vertical-align: top; border-top: 1px solid #dcdcdc; }
-thead th { border-top: none; }
-th:first-child, td.reason { text-align: left; white-space: normal; }
-tbody th, td.reason { overflow-wrap: anywhere; }
-td.reason { border-top: none; padding-top: 0; color: #7a3b05; }
-.unit { font-weight: 400; color: #555555; }
-dl { display: grid; grid-template-columns: minmax(7rem, max-content) 1fr; gap: 0.25rem 1rem; margin: 0; }
-dt { color: #555555; }
-dd { margin: 0; overflow-wrap: anywhere; }
-.pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr)); gap: 0 1rem; }
-.pair > * { min-width: 0; }
-figure { margin: 0.75rem 0; container-type: inline-size; }
-figcaption { font-weight: 600; }
-ul.keys { list-style: none; margin: 0.5rem 0; padding: 0; display: flex; flex-wrap: wrap; gap: 0.15rem 1.25rem; }
-svg.plot { display: block; width: 100%; height: auto; }
-svg.plot text { font-size: 15px; fill: #333333; }
-svg.key { height: 0.9em; width: auto; vertical-align: -0.08em; margin-right: 0.3em; }
-.frame { fill: none; stroke: #333333; stroke-width: 1.5; }
-.tick { stroke: #333333; }
-.grid { stroke: #e4e4e4; }
-.zero { stroke: #333333; stroke-dasharray: 2 4; }
-.arrow { fill: #1c1c1c; stroke: #1c1c1c; stroke-width: 1.4; stroke-linejoin: round; pointer-events: none; }
-.before { fill: none; stroke: #c2600a; }
-.after { fill: #2563a8; }
-.before-line { fill: none; stroke: #c2600a; stroke-width: 2.5; stroke-dasharray: 9 5; }
-.after-line { fill: none; stroke: #2563a8; stroke-width: 2.5; }
-pre { margin: 0.25rem 0; padding: 0.6rem; background: #f6f6f6; border: 1px solid #dcdcdc; font-size: 0.8rem;
-  line-height: 1.4; white-space: pre-wrap; overflow-wrap: anywhere; }
-pre mark { background: #fde9a9; color: inherit; font-weight: 700; }
-@page { margin: 15mm; }
-@media print {
-  body { max-width: none; padding: 0; font-size: 10.5pt; print-color-adjust: exact;
-    -webkit-print-color-adjust: exact; }
-  figure, p, tr, dt, dd { break-inside: avoid; }
-  h2, h3, thead, section > p { break-after: avoid; }
-  svg.plot { max-height: 72mm; }
-  svg.plot text { font-size: 17px; }
-}
-@media (max-width: 480px) { table { font-size: 0.8rem; } th, td { padding: 0.3rem 0.2rem; } }
-@container (max-width: 520px) { svg.plot text { font-size: 24px; } }
-)";
-
-std::string section(std::string_view heading, const std::string& content) {
-  if (content.empty()) return "";
-  return fmt::format("<section>\n<h2>{}</h2>\n{}</section>\n", heading, content);
-}
+using internal::page;
+using internal::section;
 
 /// A value as exact as its error is known: the sd with two digits.
 std::string number(double value, double sd) {
@@ -103,12 +48,9 @@ std::string parameter_table(const std::vector<CalibrationReport::Parameter>& par
 }
 
 std::string fact_list(const std::vector<CalibrationReport::Fact>& facts) {
-  if (facts.empty()) return "";
-  std::string html = "<dl>\n";
-  for (const CalibrationReport::Fact& fact : facts) {
-    html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", escape_html(fact.label), escape_html(fact.value));
-  }
-  return html + "</dl>\n";
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const CalibrationReport::Fact& fact : facts) pairs.emplace_back(fact.label, fact.value);
+  return internal::definitions(pairs);
 }
 
 std::string map_keys(const internal::MapScale& scale) {
@@ -216,16 +158,13 @@ std::string camera_files(const CalibrationReport& report) {
 }  // namespace
 
 std::string calibration_report_html(const CalibrationReport& report) {
-  const std::string title = escape_html(report.title);
-  return fmt::format(
-             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
-             "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-             "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n<h1>{}</h1>\n<p class=\"verdict{}\">{}</p>\n",
-             title, kStyle, title, report.adopted ? " adopted" : "", escape_html(report.verdict)) +
-         section("Parameters", parameter_table(report.parameters)) + section("Facts", fact_list(report.facts)) +
-         section("Residuals over the image", residual_maps(report)) +
-         section("Drift of the scale", drift_figures(report.drifts)) + section("Camera file", camera_files(report)) +
-         "</body>\n</html>\n";
+  const std::string verdict =
+      fmt::format("<p class=\"verdict{}\">{}</p>\n", report.adopted ? " adopted" : "", escape_html(report.verdict));
+  return page(report.title, verdict + section("Parameters", parameter_table(report.parameters)) +
+                                section("Facts", fact_list(report.facts)) +
+                                section("Residuals over the image", residual_maps(report)) +
+                                section("Drift of the scale", drift_figures(report.drifts)) +
+                                section("Camera file", camera_files(report)));
 }
 
 Result<void> write_calibration_report(const std::string& path, const CalibrationReport& report) {

@@ -12,11 +12,14 @@
 #include "groundscale/io/temp_folder_internal.hpp"
 #include "groundscale/report/calibration_figures_internal.hpp"
 #include "groundscale/report/markup_internal.hpp"
+#include "groundscale/report/test_markup_internal.hpp"
 
 namespace groundscale {
 namespace {
 
 using internal::escape_html;
+using internal::occurrences;
+using internal::what_is_wrong;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -61,39 +64,6 @@ CalibrationReport full_report() {
   report.camera_before = "k1: 0.02\ncy: 185\n";
   report.camera_after = "k1: 0.0121\ncy: 185\n";
   return report;
-}
-
-/// The first thing wrong with a page's tags; empty where each is closed in its order, attributes are in quotes, and
-/// text has neither < nor a bare &.
-std::string what_is_wrong(std::string page) {
-  const std::string doctype = "<!DOCTYPE html>\n";
-  if (!page.starts_with(doctype)) return "no doctype";
-  page = std::regex_replace(page.substr(doctype.size()), std::regex("<style>[^<]*</style>"), "");
-  static const std::regex kTag(
-      R"re(<(/?)([a-z][a-z0-9]*)((?: [a-zA-Z0-9-]+="[^"<&]*(?:&[a-z#0-9]+;[^"<&]*)*")*)(/?)>)re");
-  static const std::regex kText(R"re([^<>&]*(?:&(?:amp|lt|gt|quot|#39);[^<>&]*)*)re");
-  std::vector<std::string> open;
-  auto rest = page.cbegin();
-  for (std::sregex_iterator tag(page.cbegin(), page.cend(), kTag), end; tag != end; ++tag) {
-    const std::string before(rest, (*tag)[0].first);
-    if (!std::regex_match(before, kText)) return "text: " + before;
-    rest = (*tag)[0].second;
-    const std::string name = (*tag)[2];
-    if ((*tag)[1].length() > 0) {
-      if (open.empty() || open.back() != name) return "closed out of order: " + name;
-      open.pop_back();
-    } else if ((*tag)[4].length() == 0) {
-      open.push_back(name);
-    }
-  }
-  if (!open.empty()) return "left open: " + open.back();
-  return rest != page.cend() && std::string(rest, page.cend()) != "\n" ? "text at the end" : "";
-}
-
-int occurrences(const std::string& text, const std::string& part) {
-  int count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
 }
 
 TEST(EscapeHtml, LeavesNothingThatIsMarkupOrNoCharacter) {

@@ -73,12 +73,8 @@ void draw_plane(cv::Mat& picture, const GroundPlane& road, const Eigen::Vector3d
   for (const double aside : {-4.0, -2.0, 0.0, 2.0, 4.0}) line(4.0, aside, 20.0, aside);
 }
 
-}  // namespace
-
-Result<void> write_overlay(const std::string& folder, const Frame& frame, const Odometry& odometry,
-                           const Camera& camera) {
+cv::Mat draw_overlay(const Frame& frame, const Odometry& odometry, const Camera& camera) {
   const FrameDetails& details = odometry.details();
-  const FrameResult& result = odometry.results().back();
   const Image& base = details.reference_image.empty() ? frame.image : details.reference_image;
   cv::Mat picture;
   if (base.empty()) {
@@ -92,6 +88,15 @@ Result<void> write_overlay(const std::string& folder, const Frame& frame, const 
   if (details.pairs.size() == details.matches.size())
     draw_matches(picture, details.matches, details.inliers, kGreen, kRed);
   draw_matches(picture, details.road_matches, details.road_inliers, kYellow, kMagenta);
+  return picture;
+}
+
+}  // namespace
+
+Result<void> write_overlay(const std::string& folder, const Frame& frame, const Odometry& odometry,
+                           const Camera& camera) {
+  const FrameResult& result = odometry.results().back();
+  cv::Mat picture = draw_overlay(frame, odometry, camera);
 
   constexpr double kDegree = std::numbers::pi / 180.0;
   std::string text = fmt::format("{} {}", result.frame, name_of(result.state));
@@ -112,6 +117,24 @@ Result<void> write_overlay(const std::string& folder, const Frame& frame, const 
   }
   if (!written) return Error{ErrorCode::kIo, fmt::format("{}: can't be written", path)};
   return {};
+}
+
+std::string overlay_jpeg(const Frame& frame, const Odometry& odometry, const Camera& camera, int most_width_px) {
+  constexpr int kQuality = 80;
+  std::vector<unsigned char> bytes;
+  try {
+    cv::Mat picture = draw_overlay(frame, odometry, camera);
+    if (picture.cols > most_width_px) {
+      const double factor = static_cast<double>(most_width_px) / picture.cols;
+      cv::Mat smaller;
+      cv::resize(picture, smaller, {}, factor, factor, cv::INTER_AREA);
+      picture = smaller;
+    }
+    if (!cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality})) return "";
+  } catch (const cv::Exception&) {
+    return "";
+  }
+  return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace groundscale

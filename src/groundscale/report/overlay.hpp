@@ -18,4 +18,8 @@ namespace groundscale {
 Result<void> write_overlay(const std::string& folder, const Frame& frame, const Odometry& odometry,
                            const Camera& camera);
 
+/// The same picture without its line of text as the bytes of a JPEG file, made smaller where it is wider than that.
+/// @return "" where it can't be made.
+std::string overlay_jpeg(const Frame& frame, const Odometry& odometry, const Camera& camera, int most_width_px);
+
 }  // namespace groundscale

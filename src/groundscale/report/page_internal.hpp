@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace groundscale::internal {
+
+/// A whole page: one style for screens of any width and for paper, no scripts, nothing from elsewhere.
+/// @param body  Markup below the heading.
+std::string page(std::string_view title, const std::string& body);
+
+/// "" without content. @param heading  Markup.
+std::string section(std::string_view heading, const std::string& content);
+
+/// Names and values, both text; "" where there are none.
+std::string definitions(const std::vector<std::pair<std::string, std::string>>& pairs);
+
+/// A table whose cells are text.
+struct TextTable {
+  std::vector<std::string> heading;
+  std::vector<std::vector<std::string>> rows;
+  bool words = false;  ///< Its cells are words, not numbers, and may be broken into lines.
+};
+/// "" without rows. It scrolls where it is wider than the page.
+std::string table_html(const TextTable& table);
+
+/// A list, each item text; "" where there are none.
+std::string list_html(const std::vector<std::string>& items);
+
+/// What browsers take for the address of a picture: the file itself. @param type  "image/jpeg".
+std::string data_address(std::string_view type, std::string_view bytes);
+
+}  // namespace groundscale::internal

@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "groundscale/report/markup_internal.hpp"
+#include "groundscale/report/run_parts_internal.hpp"
+#include "groundscale/report/sample_frames.hpp"
+
+namespace groundscale::internal {
+namespace {
+
+std::string_view class_of(Grade grade) {
+  switch (grade) {
+    case Grade::kGood:
+    case Grade::kNote:
+      return "verdict good";
+    case Grade::kReservation:
+      return "verdict";
+    case Grade::kBad:
+      return "verdict bad";
+  }
+  return "verdict";
+}
+
+/// Says in words what colour would: it must be readable in grey.
+std::string_view word_of(Grade grade) {
+  switch (grade) {
+    case Grade::kGood:
+      return "Good";
+    case Grade::kNote:
+      return "Note";
+    case Grade::kReservation:
+      return "Reservation";
+    case Grade::kBad:
+      return "Bad";
+  }
+  return "";
+}
+
+std::vector<std::string> parts_of(const std::string& folder) {
+  std::error_code ignored;
+  std::vector<std::string> parts;
+  for (const auto& part : std::filesystem::absolute(folder, ignored).lexically_normal()) {
+    if (!part.empty() && part != ".") parts.push_back(part.string());
+  }
+  return parts;
+}
+
+std::string last_parts(const std::vector<std::string>& parts, std::size_t count) {
+  std::string name;
+  for (std::size_t k = parts.size() - std::min(count, parts.size()); k < parts.size(); ++k) {
+    name += (name.empty() || name == "/" ? "" : "/") + parts[k];
+  }
+  return name;
+}
+
+}  // namespace
+
+std::string verdict_html(const RunVerdict& verdict) {
+  std::string html = fmt::format("<p class=\"{}\">{}</p>\n<ul class=\"findings\">\n", class_of(verdict.grade),
+                                 escape_html(verdict.words));
+  for (const Finding& finding : verdict.findings) {
+    html += fmt::format("<li><b>{}.</b> {}</li>\n", word_of(finding.grade), escape_html(finding.words));
+  }
+  return html + "</ul>\n";
+}
+
+std::vector<ReasonCount> reasons_of(const RunFolder& run) {
+  std::vector<ReasonCount> reasons;
+  for (const FrameRow& row : run.frames) {
+    if (row.reason.empty()) continue;
+    const std::string kind = kind_of_reason(row.reason);
+    const auto found =
+        std::find_if(reasons.begin(), reasons.end(), [&](const ReasonCount& reason) { return reason.kind == kind; });
+    if (found != reasons.end()) {
+      ++found->count;
+    } else {
+      reasons.push_back({kind, 1, row.frame});
+    }
+  }
+  std::stable_sort(reasons.begin(), reasons.end(),
+                   [](const ReasonCount& a, const ReasonCount& b) { return a.count > b.count; });
+  return reasons;
+}
+
+std::vector<std::string> short_names(const std::vector<RunFolder>& runs) {
+  std::vector<std::vector<std::string>> parts;
+  std::size_t longest = 1;
+  for (const RunFolder& run : runs) {
+    parts.push_back(parts_of(run.folder));
+    longest = std::max(longest, parts.back().size());
+  }
+  std::vector<std::string> names;
+  for (std::size_t count = 1; count <= longest; ++count) {
+    names.clear();
+    for (const auto& own : parts) names.push_back(last_parts(own, count));
+    std::vector<std::string> sorted = names;
+    std::sort(sorted.begin(), sorted.end());
+    if (std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end()) break;
+  }
+  return names;
+}
+
+}  // namespace groundscale::internal

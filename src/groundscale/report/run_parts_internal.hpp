@@ -1,0 +1,28 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "groundscale/report/run_folder.hpp"
+#include "groundscale/report/run_verdict.hpp"
+
+namespace groundscale::internal {
+
+// Pieces that reports on one run and on several have in common.
+
+std::string verdict_html(const RunVerdict& verdict);
+
+/// How often there was no accepted measurement for reasons of one kind.
+struct ReasonCount {
+  std::string kind;
+  int count = 0;
+  int first_frame = 0;
+};
+/// The commonest first; of equals the one that came first.
+std::vector<ReasonCount> reasons_of(const RunFolder& run);
+
+/// "0, image_0" and the like: the last part of a folder's name, made longer where others end alike.
+std::vector<std::string> short_names(const std::vector<RunFolder>& runs);
+
+}  // namespace groundscale::internal

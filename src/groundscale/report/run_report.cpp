@@ -1,0 +1,231 @@
+#include "groundscale/report/run_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "groundscale/evaluation/figures.hpp"
+#include "groundscale/io/files.hpp"
+#include "groundscale/report/markup_internal.hpp"
+#include "groundscale/report/page_internal.hpp"
+#include "groundscale/report/run_charts_internal.hpp"
+#include "groundscale/report/run_parts_internal.hpp"
+
+namespace groundscale {
+namespace {
+
+using internal::definitions;
+using internal::escape_html;
+using internal::section;
+using internal::table_html;
+using internal::TextTable;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+std::string paragraph(std::string_view text) {
+  return text.empty() ? "" : fmt::format("<p>{}</p>\n", escape_html(text));
+}
+
+std::string details(std::string_view summary, const std::string& content) {
+  if (content.empty()) return "";
+  return fmt::format("<details>\n<summary>{}</summary>\n{}</details>\n", escape_html(summary), content);
+}
+
+std::string facts(const RunFolder& run) {
+  const RunSummary& s = run.summary;
+  std::vector<std::pair<std::string, std::string>> pairs = {
+      {"drive", run.drive},
+      {"frames", fmt::format("{} to {}: {} moving, {} still, {} turning in place, {} bridged, {} lost", s.first_frame,
+                             s.first_frame + s.frames - 1, s.moving, s.still, s.rotating, s.bridged, s.lost)},
+      {"length", fmt::format("{:.1f} m", s.length_m)},
+      {"camera", s.camera_from},
+      {"camera height", fmt::format("{:.3f} m, from {}", s.camera_height_m, s.camera_height_from)},
+      {"mounting", fmt::format("pitch {:.2f}, roll {:.2f}, yaw {:.2f} degrees", s.mounting.pitch_rad / kDegree,
+                               s.mounting.roll_rad / kDegree, s.mounting.yaw_rad / kDegree)}};
+  if (!run.truth.empty()) pairs.emplace_back("truth", run.truth);
+  if (s.speed_log) {
+    pairs.emplace_back("speed log", fmt::format("{}: {} frames scaled by it", s.speed_log->file, s.speed_log->scaled));
+  }
+  pairs.emplace_back("seed", fmt::to_string(s.seed));
+  pairs.emplace_back("made by", "groundscale " + s.version);
+  return definitions(pairs);
+}
+
+std::string figure_value(const Figure& figure) {
+  if (!figure.value || !std::isfinite(*figure.value)) return "\u2013";
+  return figure.sign ? fmt::format("{:+.{}f}", *figure.value, figure.decimals)
+                     : fmt::format("{:.{}f}", *figure.value, figure.decimals);
+}
+
+std::string truth_section(const RunFolder& run) {
+  if (!run.truth_problem.empty()) return paragraph("The run can't be compared with the truth: " + run.truth_problem);
+  if (!run.compared) return "";
+  std::string html = internal::truth_figure(run);
+  for (const FigureGroup& group : figures_of(run.compared->evaluation)) {
+    TextTable table{.heading = {"figure", "value", "unit", "of", "meaning"}, .rows = {}, .words = true};
+    for (const Figure& figure : group.figures) {
+      table.rows.push_back({figure.name, figure_value(figure), figure.unit,
+                            fmt::format("{} {}", figure.count, figure.of), figure.meaning});
+    }
+    html += details(group.title, table_html(table));
+  }
+  return html + paragraph("Scale is never aligned unless a figure's name says so.");
+}
+
+std::string coverage_section(const RunFolder& run) {
+  std::string html = internal::coverage_figure(run);
+  TextTable table{.heading = {"why there is no accepted measurement", "frames", "share", "first at frame"}, .rows = {}};
+  for (const internal::ReasonCount& reason : internal::reasons_of(run)) {
+    table.rows.push_back({reason.kind, fmt::to_string(reason.count),
+                          fmt::format("{:.1f} %", 100.0 * reason.count / static_cast<double>(run.frames.size())),
+                          fmt::to_string(reason.first_frame)});
+  }
+  const std::string share = fmt::format("{} of {} moving frames have an accepted measurement of the road.",
+                                        run.summary.accepted, run.summary.moving);
+  return paragraph(share) + html + table_html(table);
+}
+
+std::string corrections_table(const std::vector<ScaleEvent>& corrections) {
+  constexpr std::size_t kMost = 20;
+  std::vector<ScaleEvent> shown = corrections;
+  std::string html;
+  if (shown.size() > kMost) {
+    html = paragraph(fmt::format("The {} largest of {} corrections:", kMost, shown.size()));
+    std::stable_sort(shown.begin(), shown.end(), [](const ScaleEvent& a, const ScaleEvent& b) {
+      return std::abs(std::log(a.lambda)) > std::abs(std::log(b.lambda));
+    });
+    shown.resize(kMost);
+    std::sort(shown.begin(), shown.end(), [](const ScaleEvent& a, const ScaleEvent& b) { return a.frame < b.frame; });
+  }
+  TextTable table{.heading = {"frame", "map scaled by", "drift ratio before", "and after"}, .rows = {}};
+  for (const ScaleEvent& event : shown) {
+    table.rows.push_back({fmt::to_string(event.frame), fmt::format("{:.4f}", event.lambda),
+                          fmt::format("{:.4f}", event.drift_before),
+                          event.drift_after ? fmt::format("{:.4f}", *event.drift_after) : "\u2013"});
+  }
+  return html + table_html(table);
+}
+
+std::string corrections_section(const RunSummary& summary) {
+  std::string html = corrections_table(summary.corrections);
+  TextTable table{.heading = {"frame", "number of the camera", "value", "sd"}, .rows = {}};
+  for (const CameraEvent& event : summary.camera_changes) {
+    for (const auto& [name, value] : event.values) {
+      table.rows.push_back(
+          {fmt::to_string(event.frame), name, fmt::format("{:.6g}", value.value), fmt::format("{:.2g}", value.sd)});
+    }
+  }
+  if (!table.rows.empty()) html += "<h3>Camera, found anew</h3>\n" + table_html(table);
+  return html.empty() ? paragraph("None: neither the map's scale nor the camera was changed.") : html;
+}
+
+std::string time_section(const RunSummary& summary) {
+  std::vector<internal::Bar> bars;
+  for (const auto& [stage, ms] : summary.stage_ms) bars.push_back({stage, ms, fmt::format("{:.2f} ms", ms)});
+  std::string words = fmt::format("A frame took {:.1f} ms (median; 95 % below {:.1f} ms), the drive {:.1f} s.",
+                                  summary.median_ms, summary.p95_ms, summary.wall_s);
+  if (summary.network_runs > 0) {
+    words += fmt::format(" The road network ran {} times, {:.1f} ms each.", summary.network_runs, summary.network_ms);
+  }
+  return paragraph(words + " Mean time a frame of each stage:") +
+         internal::bars_html(bars, "Mean time a frame of each stage");
+}
+
+std::string why_shown(const SampleFrame& sample) {
+  if (sample.why == "error") {
+    return fmt::format("among the worst: step {:.1f} % off the truth", 100.0 * std::expm1(sample.value));
+  }
+  if (sample.why == "deviation") {
+    return fmt::format("among the worst: measurement {:.1f} sd off the filtered step", sample.value);
+  }
+  return sample.why == "refused" ? "refused" : "";
+}
+
+std::string sample_caption(const SampleFrame& sample, const RunFolder& run) {
+  std::string text = fmt::format("Frame {}", sample.frame);
+  const std::string why = why_shown(sample);
+  if (!why.empty()) text += ", " + why;
+  const auto row =
+      std::find_if(run.frames.begin(), run.frames.end(), [&](const FrameRow& r) { return r.frame == sample.frame; });
+  if (row == run.frames.end()) return text;
+  text += ": " + row->state;
+  if (row->online_step_m) text += fmt::format(", step {:.3f} m", *row->online_step_m);
+  if (row->raw_step_m) text += fmt::format(", raw {:.3f} m", *row->raw_step_m);
+  if (row->pitch_deg && row->roll_deg) {
+    text += fmt::format(", pitch {:.2f}, roll {:.2f} degrees", *row->pitch_deg, *row->roll_deg);
+  }
+  if (row->road_matches) {
+    text += fmt::format(", {:.0f} of {:.0f} road points fit", row->road_inliers.value_or(0.0), *row->road_matches);
+  }
+  if (!row->reason.empty()) text += "; " + row->reason;
+  return text;
+}
+
+std::string samples_section(const RunFolder& run) {
+  std::string figures;
+  for (const SampleFrame& sample : run.samples) {
+    if (sample.picture.empty()) continue;
+    figures += fmt::format("<figure>\n<img alt=\"Frame {}\" src=\"{}\"/>\n<figcaption>{}</figcaption>\n</figure>\n",
+                           sample.frame, internal::data_address("image/jpeg", sample.picture),
+                           escape_html(sample_caption(sample, run)));
+  }
+  if (figures.empty()) return "";
+  return paragraph(
+             "The region of the road is tinted; points of the whole image are green where they fit the motion and red "
+             "where not, drawn to where they went; road points yellow where they fit the plane and magenta where not; "
+             "the "
+             "grid is the plane, lines 2 m apart across and 5 m along. Each picture is the pair's earlier view.") +
+         "<div class=\"samples\">\n" + figures + "</div>\n";
+}
+
+std::string settings_section(const RunFolder& run) {
+  if (run.settings.empty()) {
+    return run.config_text.empty() ? "" : details("config.yaml", "<pre>" + escape_html(run.config_text) + "</pre>\n");
+  }
+  TextTable differing{.heading = {"key", "value", "default", "unit"}, .rows = {}, .words = true};
+  TextTable usual{.heading = {"key", "value", "unit"}, .rows = {}, .words = true};
+  for (const RunFolder::Setting& setting : run.settings) {
+    if (setting.differs()) {
+      differing.rows.push_back({setting.name, setting.value, setting.usual, setting.unit});
+    } else {
+      usual.rows.push_back({setting.name, setting.value, setting.unit});
+    }
+  }
+  return details(fmt::format("{} keys that differ from their defaults", differing.rows.size()), table_html(differing)) +
+         details(fmt::format("{} keys at their defaults", usual.rows.size()), table_html(usual));
+}
+
+std::string scale_section(const RunFolder& run) {
+  const std::string html = internal::step_figure(run) + internal::deviation_figure(run);
+  return html.empty() ? paragraph("No step has a scale.") : html;
+}
+
+}  // namespace
+
+std::string run_report_html(const RunFolder& run) {
+  const RunVerdict verdict = verdict_of(run);
+  const std::string name = internal::short_names({run}).front();
+  const std::vector<internal::NamedRun> self = {{"estimate, final", &run}};
+  return internal::page(
+      "Run: " + name, internal::verdict_html(verdict) + section("What was run", facts(run)) +
+                          section("Trajectory from above", internal::trajectory_figure(self)) +
+                          section("Against the truth", truth_section(run)) + section("Scale", scale_section(run)) +
+                          section("Scale of the map", internal::map_figure(run)) +
+                          section("Pitch and roll of the road", internal::angle_figure(run)) +
+                          section("Coverage", coverage_section(run)) +
+                          section("Corrections", corrections_section(run.summary)) +
+                          section("Time", time_section(run.summary)) + section("Sample frames", samples_section(run)) +
+                          section("Warnings", internal::list_html(run.summary.warnings)) +
+                          section("Configuration", settings_section(run)));
+}
+
+Result<void> write_run_report(const std::string& folder) {
+  const auto run = read_run_folder(folder);
+  if (!run) return run.error();
+  return write_text((std::filesystem::path(folder) / "report.html").string(), run_report_html(*run));
+}
+
+}  // namespace groundscale
