@@ -128,7 +128,7 @@ Result<ExperimentOutcome> report(Done done, const Plan& plan, const ExperimentRe
   std::string text = report_text(done, plan, request, outcome.table) + figures_section(plots, drawn);
   text += "## Step by step\n\n";
   for (const std::string& command : done.commands) text += fmt::format("    {}\n", command);
-  if (const auto written = write_text(outcome.report, text); !written) return written.error();
+  if (const auto written = write_report(outcome.report, text); !written) return written.error();
   return outcome;
 }
 

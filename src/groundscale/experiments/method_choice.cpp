@@ -2,10 +2,8 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "groundscale/io/config.hpp"
-#include "groundscale/io/text_internal.hpp"
+#include "groundscale/odometry/method_comparison.hpp"
 #include "groundscale/odometry/run_source.hpp"
 #include "groundscale/road/ground_methods.hpp"
 
@@ -13,26 +11,11 @@ namespace groundscale {
 
 Result<std::vector<PlaneMethod>> choose_ground_methods(const std::vector<std::string>& names,
                                                        const std::vector<std::string_view>& defaults) {
+  if (!names.empty()) return choose_methods(names);
   std::vector<PlaneMethod> chosen;
-  if (names.empty() && defaults.empty()) {
-    const auto all = ground_methods();
-    chosen.assign(all.begin(), all.end());
-  } else if (names.empty()) {
-    for (const std::string_view name : defaults) {
-      if (const PlaneMethod* method = find_ground_method(name)) chosen.push_back(*method);
-    }
-  }
-  for (const std::string& name : names) {
-    const PlaneMethod* method = find_ground_method(name);
-    if (method == nullptr) {
-      return internal::bad_input(
-          fmt::format("--methods: {} is no method, known: {}", internal::quoted(name), ground_method_names()));
-    }
-    const auto same = [&name](const PlaneMethod& other) { return other.name == name; };
-    if (std::any_of(chosen.begin(), chosen.end(), same)) {
-      return internal::bad_input(fmt::format("--methods: '{}' is there twice", name));
-    }
-    chosen.push_back(*method);
+  for (const PlaneMethod& method : ground_methods()) {
+    const bool wanted = std::find(defaults.begin(), defaults.end(), method.name) != defaults.end();
+    if (wanted || defaults.empty()) chosen.push_back(method);
   }
   return chosen;
 }

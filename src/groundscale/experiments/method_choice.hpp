@@ -10,9 +10,11 @@
 
 namespace groundscale {
 
-/// Ways to measure the ground by their names, in that order.
-/// @param names     As the user gave them; empty: those of `defaults` that there are, or all where that is empty too.
-/// @return kBadInput: no such method (those that there are are listed), a name twice.
+/// Ways to measure the ground.
+/// @param names     As the user gave them, in that order; empty: those of `defaults`, or all where that is empty too,
+/// in
+///                  the order of `ground_methods`.
+/// @return errors of choose_methods.
 Result<std::vector<PlaneMethod>> choose_ground_methods(const std::vector<std::string>& names,
                                                        const std::vector<std::string_view>& defaults);
 

@@ -22,8 +22,8 @@ TEST(ChooseGroundMethods, ListsThoseThereAreWhereOneIsUnknown) {
   const auto unknown = choose_ground_methods({"sparse", "divining"}, {});
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().code, ErrorCode::kBadInput);
-  EXPECT_THAT(unknown.error().message, HasSubstr("'divining' is no method, known: " + ground_method_names()));
-  EXPECT_THAT(choose_ground_methods({"sparse", "sparse"}, {}).error().message, HasSubstr("'sparse' is there twice"));
+  EXPECT_THAT(unknown.error().message, HasSubstr("\"divining\" is no method, known: " + ground_method_names()));
+  EXPECT_THAT(choose_ground_methods({"sparse", "sparse"}, {}).error().message, HasSubstr("\"sparse\" is named twice"));
 }
 
 TEST(AssignedOptions, LieOverTheStart) {

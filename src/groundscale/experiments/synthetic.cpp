@@ -125,7 +125,7 @@ Result<ExperimentOutcome> report(const SyntheticResults& results, const Syntheti
       "quartiles and refusals: `{}.csv`.\n\n{}",
       findings, kSyntheticName, tables);
   text += figures_section(plots, drawn);
-  if (const auto written = write_text(outcome.report, text); !written) return written.error();
+  if (const auto written = write_report(outcome.report, text); !written) return written.error();
   return outcome;
 }
 

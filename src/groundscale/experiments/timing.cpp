@@ -112,7 +112,7 @@ Result<ExperimentOutcome> report(Done done, const ExperimentRequest& request) {
   text += "## Overview\n\n" + internal::timing_overview(table) + "\n## The paper's findings\n\n" + findings +
           "\n## Aims\n\n" + bullet_list(aims) + figures_section(plots, drawn) + "## Step by step\n\n";
   for (const std::string& drive : done.drives) text += fmt::format("    {}\n", drive);
-  if (const auto written = write_text(outcome.report, text); !written) return written.error();
+  if (const auto written = write_report(outcome.report, text); !written) return written.error();
   return outcome;
 }
 
