@@ -16,14 +16,17 @@ RoadObservations observations_of(const Matches& matches, const CameraPtr& camera
   observations.camera = camera;
   observations.cam_from_reference = {RigidTransform{}, motion.cam2_from_cam1};
   observations.motion_covariance = motion.covariance;
+  if (options.polygon_px.empty()) {
+    observations.weight_of_ray = [path, metric_road, sd_m = options.weight_sd_m](const Eigen::Vector3d& ray) {
+      const double offset = offset_from_path(path, metric_road, ray) / sd_m;
+      constexpr double kMinWeight = 1e-3;
+      return std::max(kMinWeight, std::exp(-0.5 * offset * offset));
+    };
+  }
   for (const Match& match : matches) {
     RoadPoint point{match.id, match.pixel1, {RoadSight{1, match.pixel2}}};
     const auto ray = camera->ray(match.pixel1);
-    if (ray && options.polygon_px.empty()) {
-      const double offset = offset_from_path(path, metric_road, *ray) / options.weight_sd_m;
-      constexpr double kMinWeight = 1e-3;
-      point.weight = std::max(kMinWeight, std::exp(-0.5 * offset * offset));
-    }
+    if (ray && observations.weight_of_ray) point.weight = observations.weight_of_ray(*ray);
     observations.points.push_back(std::move(point));
   }
   return observations;

@@ -52,6 +52,7 @@ void visit_fields(PlaneOptions& options, FieldVisitor& visitor) {
                 options.min_inliers);
   visitor.field({.key = "refinement", .unit = "", .help = "how the plane is refined"}, options.refinement);
   visitor.group("ransac", options.ransac);
+  visitor.group("dense", options.dense);
 }
 
 }  // namespace groundscale

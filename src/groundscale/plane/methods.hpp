@@ -13,6 +13,7 @@
 #include "groundscale/core/rng.hpp"
 #include "groundscale/estimation/ransac.hpp"
 #include "groundscale/geometry/ground_plane.hpp"
+#include "groundscale/plane/dense_options.hpp"
 #include "groundscale/plane/observations.hpp"
 
 namespace groundscale {
@@ -30,6 +31,7 @@ struct PlaneOptions {
   int min_inliers = 30;
   PlaneRefinement refinement = PlaneRefinement::kLevenbergMarquardt;
   RansacOptions ransac{.min_trials = 20, .max_trials = 200, .confidence = 0.999};
+  DenseOptions dense{};
 };
 
 void visit_fields(PlaneOptions& options, FieldVisitor& visitor);
