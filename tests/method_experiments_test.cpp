@@ -127,5 +127,46 @@ TEST(TimingExperiment, TimesWhatComesBeforeAndTheMethods) {
   EXPECT_EQ(text(output + "/timing.csv"), table);
 }
 
+TEST(ScaleKittiExperiment, HasARowAMethodAndSettingAndIsResumed) {
+  const TempFolder folder;
+  const std::string output = folder / "out";
+  const Words arguments = {"experiment", "scale-kitti", "--output",   output,      "--preset",
+                           "small",      "--sequences", "straight:6", "--methods", "sparse,triangulation"};
+  const ProgramRun first = run_program(arguments);
+  ASSERT_EQ(first.status, expected_status()) << first.err;
+  EXPECT_THAT(first.out, HasSubstr("fixed region, the paper's filter:\n\n| method | straight (simulated) |"));
+  const std::vector<Words> rows = rows_of(text(output + "/scale-kitti.csv"));
+  // Two regions, three filters, two methods.
+  ASSERT_EQ(rows.size(), 1U + 2 * 3 * 2);
+  EXPECT_EQ(rows[0][0], "sequence");
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    EXPECT_EQ(rows[k][1], "simulated");
+    if (rows[k][4] != "sparse") continue;
+    // Unfiltered and filtered errors of a level street are a few per cent at most.
+    EXPECT_LT(std::stod(rows[k][6]), 10.0) << rows[k][2] << ' ' << rows[k][3];
+  }
+  EXPECT_EQ(fs::exists(output + "/figures/scale-path-none.svg"), gnuplot_is_there());
+  // Times differ from run to run: what is done isn't done again.
+  const std::string table = text(output + "/scale-kitti.csv");
+  const ProgramRun again = run_program(arguments);
+  EXPECT_EQ(again.status, first.status) << again.err;
+  EXPECT_EQ(text(output + "/scale-kitti.csv"), table);
+}
+
+TEST(ScaleKittiExperiment, RefusesARootWithoutSequencesAndUnknownMethods) {
+  const TempFolder folder;
+  const auto refused = [&folder](const Words& more) {
+    Words arguments = {"experiment", "scale-kitti", "--output", folder / "out"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.status, 2);
+    EXPECT_FALSE(fs::exists(folder / "out"));
+    return run.err;
+  };
+  fs::create_directories(folder / "root");
+  EXPECT_THAT(refused({"--kitti", folder / "root"}), HasSubstr("holds no poses/NN.txt"));
+  EXPECT_THAT(refused({"--methods", "spares"}), HasSubstr("\"spares\" is no method, known: sparse"));
+}
+
 }  // namespace
 }  // namespace groundscale
