@@ -215,14 +215,12 @@ class DelaunayMethod {
     const HeightMode mode = mode_of_heights(all.heights, all.weights, sigma);
 
     PlaneMeasurement measurement = measurement_of(observations, {normal, mode.height * unit}, options_);
-    Eigen::Matrix2d normal_covariance = fit.covariance.topLeftCorner<2, 2>();
-    if (options_.delaunay.normal == DelaunayNormal::kExpected) {
-      const double sd_rad = formal_normal_sd_rad(observations, options_, measurement.rms_px);
-      normal_covariance = sd_rad * sd_rad * Eigen::Matrix2d::Identity();
-    }
     const HeightMode in_units{mode.height * unit, mode.variance * unit * unit, mode.supporters};
-    measurement.covariance_of_m = covariance_of_m(
-        measurement.plane, covariance_of_vote(vertices, normal, in_units, sigma * unit, normal_covariance));
+    const Eigen::Matrix3d covariance =
+        options_.delaunay.normal == DelaunayNormal::kExpected
+            ? covariance_given_normal(observations, options_, measurement.rms_px, in_units)
+            : covariance_of_vote(vertices, normal, in_units, sigma * unit, fit.covariance.topLeftCorner<2, 2>());
+    measurement.covariance_of_m = covariance_of_m(measurement.plane, covariance);
     return measurement;
   }
 

@@ -1,7 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -28,6 +29,69 @@ double mode_influence(double height, double mode, double sigma) {
   return (1.0 - squared) * std::exp(-0.5 * squared);
 }
 
+/// Heights that share a narrow bin.
+struct HeightBin {
+  long index = 0;
+  std::size_t begin = 0, end = 0;  ///< In the sorted heights.
+  double weight = 0.0;
+  double bound = 0.0;  ///< No height of the bin has a better score.
+};
+
+constexpr double kReach = 6.0;  // sigmas; beyond it a height is worth less than 2e-8
+constexpr int kBinsPerSigma = 32;
+
+/// Bins that aren't empty, best bound first. Bins a and b are at least |a - b| - 1 widths apart.
+std::vector<HeightBin> bounded_bins(const std::vector<std::pair<double, double>>& sorted, double sigma) {
+  std::vector<HeightBin> bins;
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const long index = std::lround(std::floor((sorted[i].first - sorted.front().first) / sigma * kBinsPerSigma));
+    if (bins.empty() || bins.back().index != index) bins.push_back({index, i, i, 0.0, 0.0});
+    bins.back().end = i + 1;
+    bins.back().weight += sorted[i].second;
+  }
+  constexpr int kBinsInReach = static_cast<int>(kReach) * kBinsPerSigma + 1;
+  std::array<double, kBinsInReach + 1> closeness{};
+  for (int k = 0; k <= kBinsInReach; ++k) {
+    closeness[static_cast<std::size_t>(k)] = std::exp(-0.5 * std::pow(std::max(0.0, k - 1.0) / kBinsPerSigma, 2));
+  }
+  for (std::size_t a = 0; a < bins.size(); ++a) {
+    bins[a].bound += bins[a].weight;
+    for (std::size_t b = a + 1; b < bins.size() && bins[b].index - bins[a].index <= kBinsInReach; ++b) {
+      const double near = closeness[static_cast<std::size_t>(bins[b].index - bins[a].index)];
+      bins[a].bound += bins[b].weight * near;
+      bins[b].bound += bins[a].weight * near;
+    }
+  }
+  std::sort(bins.begin(), bins.end(), [](const HeightBin& a, const HeightBin& b) {
+    return a.bound != b.bound ? a.bound > b.bound : a.index < b.index;
+  });
+  return bins;
+}
+
+/// The height with the best score. Only those are scored whose bin may hold it.
+double best_height(std::span<const double> heights, std::span<const double> weights, double sigma) {
+  std::vector<std::pair<double, double>> sorted;
+  for (std::size_t i = 0; i < heights.size(); ++i) sorted.emplace_back(heights[i], weights[i]);
+  std::sort(sorted.begin(), sorted.end());
+  double best = sorted.front().first;
+  double best_score = 0.0;
+  for (const HeightBin& bin : bounded_bins(sorted, sigma)) {
+    if (bin.bound < best_score) break;
+    for (std::size_t i = bin.begin; i < bin.end; ++i) {
+      const double height = sorted[i].first;
+      double score = 0.0;
+      for (auto other = std::lower_bound(sorted.begin(), sorted.end(), std::pair(height - kReach * sigma, 0.0));
+           other != sorted.end() && other->first <= height + kReach * sigma; ++other) {
+        score += other->second * std::exp(-0.5 * std::pow((other->first - height) / sigma, 2));
+      }
+      if (score <= best_score) continue;
+      best = height;
+      best_score = score;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<GroundPoint> triangulate_ground_points(const RoadObservations& observations, const PlaneOptions& options,
@@ -48,29 +112,11 @@ std::vector<GroundPoint> triangulate_ground_points(const RoadObservations& obser
 }
 
 HeightMode mode_of_heights(std::span<const double> heights, std::span<const double> weights, double sigma) {
-  const std::size_t count = heights.size();
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return heights[a] < heights[b]; });
-  std::vector<double> scores(count, 0.0);
-  constexpr double kReach = 6.0;  // sigmas; beyond it a height is worth less than 2e-8
-  for (std::size_t a = 0; a < count; ++a) {
-    const std::size_t i = order[a];
-    scores[i] += weights[i];
-    for (std::size_t b = a + 1; b < count; ++b) {
-      const std::size_t j = order[b];
-      const double distance = (heights[j] - heights[i]) / sigma;
-      if (distance > kReach) break;
-      const double closeness = std::exp(-0.5 * distance * distance);
-      scores[i] += weights[j] * closeness;
-      scores[j] += weights[i] * closeness;
-    }
-  }
   HeightMode mode;
-  mode.height = heights[static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin())];
+  mode.height = best_height(heights, weights, sigma);
   double slope = 0.0;
   double squares = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < heights.size(); ++i) {
     const double residual = heights[i] - mode.height;
     slope += weights[i] * mode_influence(heights[i], mode.height, sigma);
     squares += std::pow(weights[i] * residual * std::exp(-0.5 * std::pow(residual / sigma, 2)), 2);
@@ -147,9 +193,12 @@ Eigen::Matrix3d covariance_of_m(const GroundPlane& plane, const Eigen::Matrix3d&
   return m_by_parameters * covariance * m_by_parameters.transpose();
 }
 
-double formal_normal_sd_rad(const RoadObservations& observations, const PlaneOptions& options, double rms_px) {
-  return observations.normal_prior_factor * options.normal_prior_deg * std::numbers::pi / 180.0 * rms_px /
-         options.point_sd_px;
+Eigen::Matrix3d covariance_given_normal(const RoadObservations& observations, const PlaneOptions& options,
+                                        double rms_px, const HeightMode& mode) {
+  const double normal_sd_rad = observations.normal_prior_factor * options.normal_prior_deg * std::numbers::pi / 180.0 *
+                               rms_px / options.point_sd_px;
+  const double normal_variance = normal_sd_rad * normal_sd_rad;
+  return Eigen::Vector3d(normal_variance, normal_variance, mode.variance).asDiagonal();
 }
 
 }  // namespace groundscale

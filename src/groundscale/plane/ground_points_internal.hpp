@@ -35,8 +35,8 @@ struct HeightMode {
 /// @param heights, weights  Equally many, at least one.
 HeightMode mode_of_heights(std::span<const double> heights, std::span<const double> weights, double sigma);
 
-/// Of (two tangents of n, h) where h is the mode of n.X: what the heights leave open, and what isn't known of the
-/// normal, which moves the height with the lever at which the voters lie.
+/// Of (two tangents of n, h) where n was fitted to the points and h is the mode of n.X: what the heights leave open,
+/// and what isn't known of the normal, which moves the height with the lever at which the voters lie.
 Eigen::Matrix3d covariance_of_vote(const std::vector<GroundPoint>& points, const Eigen::Vector3d& normal,
                                    const HeightMode& mode, double sigma, const Eigen::Matrix2d& normal_covariance);
 
@@ -53,8 +53,10 @@ Result<PlaneFit> fit_plane(const std::vector<GroundPoint>& points);
 /// Covariance of m = n / h from that of (two tangents of n, h).
 Eigen::Matrix3d covariance_of_m(const GroundPlane& plane, const Eigen::Matrix3d& covariance);
 
-/// Formal sd of the expected normal: as much smaller than normal_prior_deg as image noise of `rms_px` is smaller than
-/// point_sd_px, so that it can stand in one covariance with that of the points. 0 without a prior.
-double formal_normal_sd_rad(const RoadObservations& observations, const PlaneOptions& options, double rms_px);
+/// Of (two tangents of n, h) where n was taken as given: the height's from the mode, for that normal; the normal's from
+/// normal_prior_deg, as much smaller as image noise of `rms_px` is smaller than point_sd_px, so that it is as formal as
+/// the other. What an error of the normal does to the height isn't in it.
+Eigen::Matrix3d covariance_given_normal(const RoadObservations& observations, const PlaneOptions& options,
+                                        double rms_px, const HeightMode& mode);
 
 }  // namespace groundscale

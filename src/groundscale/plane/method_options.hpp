@@ -30,7 +30,7 @@ struct TriangulationRansacOptions {
   double max_distance = 0.05;    ///< Of a point to the plane, over the plane's height.
   double max_normal_deg = 15.0;  ///< Planes that far off the expected normal aren't tried, where one is given.
   /// Sd of the direction of motion against the plane; 0: it has no part.
-  double vanishing_point_sd_deg = 0.0;
+  double vanishing_point_sd_deg = 0.1;
 };
 
 /// How a homography is decomposed.

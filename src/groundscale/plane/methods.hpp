@@ -92,10 +92,10 @@ Result<PlaneMeasurement> estimate_plane_sparse(const RoadObservations& observati
 /// and the one with the best score is the camera's. n is the expected normal: an error of its pitch goes into the
 /// height with the lever at which the points lie. Points count with their weight, those of the scene 1.
 ///
-/// Covariance: of the height from the peak of the score, of the normal from normal_prior_deg (none where that is 0);
-/// R and t count as exact. Two views; rng isn't used.
+/// Covariance: of the height from the peak of the score for the normal as given, of the normal from normal_prior_deg
+/// (none where that is 0); R and t count as exact. Two views; rng isn't used.
 /// @return kBadInput (no expected normal), kTooFewMatches, kDegenerateMotion, kNotGround (no point lies low enough).
-/// O(n^2) in the points at worst.
+/// O(n^2) in the points at worst, mostly O(n log n).
 Result<PlaneMeasurement> estimate_plane_triangulation(const RoadObservations& observations, const PlaneOptions& options,
                                                       Rng& rng);
 

@@ -79,10 +79,8 @@ Result<PlaneMeasurement> estimate_plane_triangulation(const RoadObservations& ob
                              (options.min_inliers + 1) / 2)};
   }
   PlaneMeasurement measurement = measurement_of(observations, {normal, mode.height}, options);
-  const double normal_sd_rad = formal_normal_sd_rad(observations, options, measurement.rms_px);
-  measurement.covariance_of_m = covariance_of_m(
-      measurement.plane, covariance_of_vote(candidates.points, normal, mode, sigma,
-                                            normal_sd_rad * normal_sd_rad * Eigen::Matrix2d::Identity()));
+  measurement.covariance_of_m =
+      covariance_of_m(measurement.plane, covariance_given_normal(observations, options, measurement.rms_px, mode));
   return measurement;
 }
 
