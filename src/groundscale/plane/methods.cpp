@@ -53,6 +53,8 @@ void visit_fields(PlaneOptions& options, FieldVisitor& visitor) {
   visitor.field({.key = "refinement", .unit = "", .help = "how the plane is refined"}, options.refinement);
   visitor.group("ransac", options.ransac);
   visitor.group("dense", options.dense);
+  visitor.group("fixed_plane", options.fixed_plane);
+  visitor.group("fused", options.fused);
 }
 
 }  // namespace groundscale

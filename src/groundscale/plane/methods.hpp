@@ -32,6 +32,8 @@ struct PlaneOptions {
   PlaneRefinement refinement = PlaneRefinement::kLevenbergMarquardt;
   RansacOptions ransac{.min_trials = 20, .max_trials = 200, .confidence = 0.999};
   DenseOptions dense{};
+  FixedPlaneOptions fixed_plane{};
+  FusedOptions fused{};
 };
 
 void visit_fields(PlaneOptions& options, FieldVisitor& visitor);
