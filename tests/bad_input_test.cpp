@@ -318,6 +318,10 @@ std::vector<Row> command_rows() {
        [](const Setting& s) {
          return s.run({"--set", "ground.metod=sparse"});
        }},
+      {"method that can't be fused", 2, "ground.plane.fused.methods: \"dence\" can't be fused; known: ",
+       [](const Setting& s) {
+         return s.run({"--set", "ground.plane.fused.methods=sparse,dence"});
+       }},
       {"section where a key is expected", 2, "is a section, a key of it is",
        [](const Setting& s) {
          return s.run({"--set", "ground=3"});

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "groundscale/road/fused.hpp"
 #include "groundscale/road/ground_methods.hpp"
 
 namespace groundscale {
@@ -153,6 +154,8 @@ Result<void> OdometryOptions::validate() const {
     return Error{ErrorCode::kBadInput,
                  fmt::format("ground.method: \"{}\" is unknown, known: {}", ground.method, ground_method_names())};
   }
+  if (const auto fused = fused_methods(ground.plane.fused); !fused)
+    return Error{ErrorCode::kBadInput, "ground.plane.fused.methods: " + fused.error().message};
   if (const auto strip = check_strip("road.region", road.region); !strip) return strip;
   if (const auto strip = check_strip("keyframe.region", keyframe.region); !strip) return strip;
   if (road.search.min_step_m >= road.search.max_step_m) {

@@ -52,4 +52,43 @@ void visit_fields(DenseOptions& options, FieldVisitor& visitor) {
                 options.max_log_sd);
 }
 
+void visit_fields(FixedPlaneOptions& options, FieldVisitor& visitor) {
+  visitor.field({.key = "normal_sd_deg",
+                 .unit = "deg",
+                 .help = "formal sd of the given normal, which is enlarged as every formal one is",
+                 .min = 0.001,
+                 .max = 20},
+                options.normal_sd_deg);
+}
+
+void visit_fields(FusedOptions& options, FieldVisitor& visitor) {
+  visitor.field({.key = "methods", .unit = "", .help = "the methods that are combined, with commas between them"},
+                options.methods);
+  visitor.field({.key = "variance_factors",
+                 .unit = "",
+                 .help = "one for each: from its formal variance to that of its own error, which the others don't "
+                         "share; 1 where none is given",
+                 .min = 0,
+                 .max = 100000},
+                options.variance_factors);
+  visitor.field({.key = "own_height_sd",
+                 .unit = "",
+                 .help = "own error of each, of log height, at least",
+                 .min = 0.00001,
+                 .max = 1},
+                options.own_height_sd);
+  visitor.field({.key = "own_normal_deg",
+                 .unit = "deg",
+                 .help = "own error of each, of the normal, at least",
+                 .min = 0.0001,
+                 .max = 20},
+                options.own_normal_deg);
+  visitor.field({.key = "max_disagreement",
+                 .unit = "",
+                 .help = "in sds of their difference; beyond it the more certain one stands alone",
+                 .min = 0.1,
+                 .max = 1000},
+                options.max_disagreement);
+}
+
 }  // namespace groundscale

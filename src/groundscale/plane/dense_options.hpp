@@ -17,11 +17,31 @@ struct DenseOptions {
   double smooth_px = 0.8;        ///< Sd of the Gauss filter on both images: interpolation errs less in smooth ones.
   double loss_bound = 2.0;       ///< Of Cauchy's loss, in robust sds of the differences.
   double worth_points = 100;     ///< All pixels together count as so many road points of PlaneOptions::point_sd_px.
+  int block_px = 8;              ///< Pixels in squares of this side are taken as one error for the covariance.
   double min_correlation = 0.5;  ///< Of the aligned region (zero-mean normalised).
   int min_pixels = 300;          ///< Fewer that both images see refuse the measurement.
   double max_log_sd = 0.03;      ///< Formal sd of log height: beyond it there is too little texture.
 };
 
 void visit_fields(DenseOptions& options, FieldVisitor& visitor);
+
+struct FixedPlaneOptions {
+  /// Formal sd of the given normal. Like every formal one it's enlarged later.
+  double normal_sd_deg = 0.2;
+};
+
+void visit_fields(FixedPlaneOptions& options, FieldVisitor& visitor);
+
+struct FusedOptions {
+  std::string methods = "sparse,dense";  ///< Names with commas between them.
+  /// From the formal variance of each to that of its own error, which it shares with none of the others; 1 where none
+  /// is given.
+  std::vector<double> variance_factors{};
+  double own_height_sd = 0.01;    ///< Of each one's own error at least, of log height,
+  double own_normal_deg = 0.15;   ///< and of the normal.
+  double max_disagreement = 3.0;  ///< In sds of the difference; beyond it the more certain one stands alone.
+};
+
+void visit_fields(FusedOptions& options, FieldVisitor& visitor);
 
 }  // namespace groundscale

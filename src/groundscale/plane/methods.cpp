@@ -67,6 +67,8 @@ void visit_fields(PlaneOptions& options, FieldVisitor& visitor) {
   visitor.group("decomposition", options.decomposition);
   visitor.group("delaunay", options.delaunay);
   visitor.group("dense", options.dense);
+  visitor.group("fixed_plane", options.fixed_plane);
+  visitor.group("fused", options.fused);
 }
 
 }  // namespace groundscale

@@ -38,6 +38,8 @@ struct PlaneOptions {
   DecompositionOptions decomposition;
   DelaunayOptions delaunay;
   DenseOptions dense{};
+  FixedPlaneOptions fixed_plane{};
+  FusedOptions fused{};
 };
 
 void visit_fields(PlaneOptions& options, FieldVisitor& visitor);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
@@ -81,12 +82,13 @@ PhotometricState refine_by_score(const RoadObservations& observations, Photometr
 }
 
 /// The state of an alignment that somebody else has done.
-Aligned aligned_at(const PhotometricLevel& level, const PhotometricState& state, const PlaneOptions& options) {
+Aligned aligned_at(PhotometricLevel level, const PhotometricState& state, const PlaneOptions& options) {
   Aligned aligned;
   aligned.state = state;
   aligned.sd = level.robust_sd(state);
   aligned.sums = level.sums(state, aligned.sd, options.dense.loss_bound, true);
   aligned.correlation = level.correlation(state.homography());
+  aligned.level.emplace(std::move(level));
   return aligned;
 }
 
@@ -108,14 +110,14 @@ Result<PlaneMeasurement> estimate_plane_dense(const RoadObservations& observatio
   } else {
     aligned.state = refine_by_score(observations, start, options);
   }
-  const PhotometricLevel level(observations, aligned.state, options.dense, 0);
-  if (by_score) aligned = aligned_at(level, aligned.state, options);
+  if (by_score)
+    aligned = aligned_at(PhotometricLevel(observations, aligned.state, options.dense, 0), aligned.state, options);
   if (const auto good = check_alignment(aligned, *first, options); !good) return good.error();
   PlaneMeasurement measurement;
   measurement.initial_plane = GroundPlane::from_inverse_form(first->m);
   measurement.plane = GroundPlane::from_inverse_form(aligned.state.m);
   measurement.covariance_of_m =
-      alignment_covariance(level, aligned, FreeParameters::kPlane, prior, options).topLeftCorner<3, 3>() +
+      alignment_covariance(aligned, FreeParameters::kPlane, prior, options).topLeftCorner<3, 3>() +
       covariance_by_motion(observations, aligned, prior);
   if (const auto certain = check_certainty(measurement, options); !certain) return certain.error();
   find_points_on_plane(observations, aligned.state.motion, options.max_error_px, measurement);

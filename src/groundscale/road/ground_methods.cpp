@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "groundscale/road/dense.hpp"
+#include "groundscale/road/fused.hpp"
 
 namespace groundscale {
 
@@ -14,6 +15,11 @@ std::span<const PlaneMethod> ground_methods() {
     std::vector<PlaneMethod> methods(of_points.begin(), of_points.end());
     methods.push_back({"dense", "alignment of the road's pixels, motion given (Song, Chandraker 2014)",
                        make_memoryless<estimate_plane_dense>});
+    methods.push_back({"joint_dense", "the same with the motion free too (Zhou, Dai, Li 2019, eq. 5)",
+                       make_memoryless<estimate_plane_joint_dense>});
+    methods.push_back({"fixed_plane", "motion from the road's pixels, pitch, roll and height given (Lovegrove 2011)",
+                       make_memoryless<estimate_fixed_plane>});
+    methods.push_back({"fused", "several methods, weighted by what each knows by itself", make_fused});
     return methods;
   }();
   return kMethods;

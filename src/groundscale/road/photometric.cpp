@@ -12,8 +12,6 @@
 namespace groundscale {
 namespace {
 
-/// Pixels of so large squares of the reference image are taken as one when it comes to how sure the result is.
-constexpr int kBlockPx = 16;
 /// Room for the plane to move, and for filters.
 constexpr int kMarginPx = 40;
 /// Rounding to grey levels alone has 0.3.
@@ -53,7 +51,7 @@ struct PhotometricLevel::Sample {
 
 PhotometricLevel::PhotometricLevel(const RoadObservations& observations, const PhotometricState& start,
                                    const DenseOptions& options, int level)
-    : camera_(*observations.camera), scale_(1 << level) {
+    : camera_(observations.camera), scale_(1 << level) {
   const int unit = 1 << level;
   const Image& region = observations.region;
   const cv::Rect bounds = bounds_of(region);
@@ -72,14 +70,16 @@ PhotometricLevel::PhotometricLevel(const RoadObservations& observations, const P
   for (int y = (bounds.y + stride - 1) / stride * stride; y < bounds.y + bounds.height; y += stride) {
     for (int x = (bounds.x + stride - 1) / stride * stride; x < bounds.x + bounds.width; x += stride) {
       if (region.at(x, y) == 0) continue;
-      const auto ray = camera_.ray({x, y});
-      const auto pixel2 = ray ? camera_.project(homography * *ray) : std::nullopt;
-      if (!pixel2 || !camera_.contains(*pixel2)) continue;
+      const auto ray = camera_->ray({x, y});
+      const auto pixel2 = ray ? camera_->project(homography * *ray) : std::nullopt;
+      if (!pixel2 || !camera_->contains(*pixel2)) continue;
       const double weight = observations.weight_of_ray ? observations.weight_of_ray(*ray) : 1.0;
+      constexpr double kMinWeight = 0.01;
+      if (weight < kMinWeight) continue;
       const cv::Point corner(static_cast<int>(pixel2->x()), static_cast<int>(pixel2->y()));
       low = {std::min(low.x, corner.x), std::min(low.y, corner.y)};
       high = {std::max(high.x, corner.x), std::max(high.y, corner.y)};
-      const int cell = y / kBlockPx * region.width() + x / kBlockPx;
+      const int cell = y / options.block_px * region.width() + x / options.block_px;
       const int block = block_of.try_emplace(cell, static_cast<int>(block_of.size())).first->second;
       pixels_.push_back({*ray, first.at<float>((y - area1.y) / unit, (x - area1.x) / unit), weight, block});
     }
@@ -117,7 +117,7 @@ std::optional<PhotometricLevel::Sample> PhotometricLevel::sample(const Eigen::Ve
 }
 
 std::optional<double> PhotometricLevel::grey2(const RoadPixel& pixel, const Eigen::Matrix3d& homography) const {
-  const auto pixel2 = camera_.project(homography * pixel.ray);
+  const auto pixel2 = camera_->project(homography * pixel.ray);
   const auto found = pixel2 ? sample(*pixel2) : std::nullopt;
   if (!found) return std::nullopt;
   return found->grey;
@@ -127,7 +127,7 @@ std::optional<PixelError> PhotometricLevel::error(const RoadPixel& pixel, const 
   const Eigen::Vector3d turned = state.motion.rotation * pixel.ray;
   const double inverse_depth = state.m.dot(pixel.ray);
   Eigen::Matrix<double, 2, 3> by_ray;
-  const auto pixel2 = camera_.project(turned + state.motion.translation * inverse_depth, &by_ray);
+  const auto pixel2 = camera_->project(turned + state.motion.translation * inverse_depth, &by_ray);
   const auto found = pixel2 ? sample(*pixel2) : std::nullopt;
   if (!found) return std::nullopt;
   PixelError error;

@@ -82,7 +82,7 @@ class PhotometricLevel {
   struct Sample;
   std::optional<Sample> sample(const Eigen::Vector2d& pixel2) const;
 
-  const Camera& camera_;
+  CameraPtr camera_;
   double scale_;  ///< Full pixels per pixel of this level.
   cv::Rect area2_;
   cv::Mat second_;  ///< Of area2_: grey level and its derivatives by full pixels, four floats each.

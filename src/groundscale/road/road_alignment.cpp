@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -18,6 +19,9 @@ namespace groundscale {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
+/// A step that lowers the pixels' cost by less (of sum w d^2 / 2 s^2) is a hundredth of the sd of independent pixels,
+/// and the slope that is interpolated isn't that of the interpolated image any nearer than that.
+constexpr double kMinGain = 1e-2;
 
 struct Step {
   PhotometricState state;
@@ -49,7 +53,6 @@ class LevelSolver {
       gain = next.taken ? (now.cost - next.cost) / aligned.worth : 0.0;
       if (!next.taken) break;
       now = next;
-      constexpr double kMinGain = 1e-3;
       if (gain < kMinGain) break;
     }
     aligned.state = now.state;
@@ -76,11 +79,14 @@ class LevelSolver {
     slope.segment<3>(6) += prior_.gradient(now.state.m);
     const Eigen::MatrixXd information = basis.transpose() * full * basis;
     const Eigen::VectorXd gradient = basis.transpose() * slope;
-    constexpr int kMaxAttempts = 5;
+    constexpr int kMaxAttempts = 3;
     for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
       Eigen::MatrixXd damped = information;
       damped.diagonal() *= 1.0 + damping;
       const Eigen::VectorXd step = -damped.ldlt().solve(gradient);
+      // What the step would gain if the cost were a parabola.
+      const double promised = -0.5 * step.dot(gradient) / aligned.worth;
+      if (promised < kMinGain) return now;
       if (step.allFinite()) {
         Step next{moved(now.state, basis * step, free_), {}};
         next.sums = sums_of(next.state, aligned.sd);
@@ -246,7 +252,7 @@ Result<Aligned> align_road(const RoadObservations& observations, const Photometr
   Aligned aligned;
   aligned.state = start;
   for (int size = options.dense.levels; size >= 0; --size) {
-    const PhotometricLevel level(observations, aligned.state, options.dense, size);
+    PhotometricLevel level(observations, aligned.state, options.dense, size);
     const int needed = std::max(20, options.dense.min_pixels >> (2 * size));
     if (static_cast<int>(level.pixels().size()) < needed) {
       return Error{ErrorCode::kTooFewMatches,
@@ -261,12 +267,15 @@ Result<Aligned> align_road(const RoadObservations& observations, const Photometr
     if (!(gain < kMaxGain)) return Error{ErrorCode::kNotConverged, "the alignment of the road doesn't settle"};
     aligned.sums = level.sums(aligned.state, aligned.sd, options.dense.loss_bound, true);
     aligned.correlation = level.correlation(aligned.state.homography());
+    aligned.level.emplace(std::move(level));
   }
   return aligned;
 }
 
-Eigen::MatrixXd alignment_covariance(const PhotometricLevel& level, const Aligned& aligned, FreeParameters free,
-                                     const NormalPrior& prior, const PlaneOptions& options) {
+Eigen::MatrixXd alignment_covariance(const Aligned& aligned, FreeParameters free, const NormalPrior& prior,
+                                     const PlaneOptions& options) {
+  GS_CHECK(aligned.level.has_value(), "an alignment that has come to its end");
+  const PhotometricLevel& level = *aligned.level;
   const CauchyLoss loss{options.dense.loss_bound};
   const Eigen::MatrixXd basis = basis_of(free, aligned.state);
   Eigen::MatrixXd of_blocks = Eigen::MatrixXd::Zero(kPhotometricSize, level.blocks());

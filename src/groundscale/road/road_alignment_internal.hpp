@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Core>
 
 #include "groundscale/core/result.hpp"
@@ -36,6 +38,7 @@ struct Aligned {
   double sd = 1.0;       ///< Robust, of the differences, in grey levels.
   double worth = 1.0;    ///< Factor of the pixels' cost beside the prior.
   double correlation = 0.0;
+  std::optional<PhotometricLevel> level{};  ///< The full size.
 };
 
 /// Whether there are pixels to work on.
@@ -56,10 +59,10 @@ Result<Aligned> align_road(const RoadObservations& observations, const Photometr
                            const NormalPrior& prior, const PlaneOptions& options);
 
 /// Covariance of the free parameters. Pixels next to each other err alike (texture larger than a pixel, road that isn't
-/// flat), so whole squares of 16 px are taken as one error each: A^-1 B A^-1 with B = sum over squares of g g^T, g the
-/// square's part of the gradient (sandwich for clusters, Liang and Zeger 1986).
-Eigen::MatrixXd alignment_covariance(const PhotometricLevel& level, const Aligned& aligned, FreeParameters free,
-                                     const NormalPrior& prior, const PlaneOptions& options);
+/// flat), so whole squares of DenseOptions::block_px are taken as one error each: A^-1 B A^-1 with B = sum over squares
+/// of g g^T, g the square's part of the gradient (sandwich for clusters, Liang and Zeger 1986).
+Eigen::MatrixXd alignment_covariance(const Aligned& aligned, FreeParameters free, const NormalPrior& prior,
+                                     const PlaneOptions& options);
 
 /// Whether the aligned images correlate and the plane stayed near its start.
 Result<void> check_alignment(const Aligned& aligned, const PhotometricState& start, const PlaneOptions& options);
