@@ -86,7 +86,9 @@ TEST(ContaminationExperiment, ReachesItsSharesAndDoesNothingAgain) {
   EXPECT_EQ(rows[0], (Words{"drive", "frame", "region", "share", "region_share", "method", "error"}));
   int whole = 0;
   for (std::size_t k = 1; k < rows.size(); ++k) {
-    if (rows[k][2] == "mask") EXPECT_EQ(rows[k][4], "0");
+    if (rows[k][2] == "mask") {
+      EXPECT_EQ(rows[k][4], "0");
+    }
     if (rows[k][2] != "whole") continue;
     ++whole;
     EXPECT_NEAR(std::stod(rows[k][4]), std::stod(rows[k][3]), 2.5);  // %, the stated tolerance
