@@ -228,6 +228,29 @@ void add_methods(CLI::App& command, std::vector<std::string>& methods, const std
       ->option_text("NAME,NAME,...");
 }
 
+void add_scale_kitti(CLI::App& parent, int& exit_status) {
+  struct Arguments {
+    ExperimentRequest request;
+    ScaleKittiOptions options;
+    RunSettings settings;
+    bool simulate = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  ScaleKittiOptions& options = arguments->options;
+  CLI::App* command = parent.add_subcommand(kScaleKittiName, kScaleKittiSummary);
+  add_common(*command, arguments->request);
+  add_recorded_or_simulated(*command, options.drives, arguments->simulate);
+  add_choice(*command, options.drives, "default the real ones, else 06,07,10,00:1501, or all routes");
+  add_methods(*command, options.methods, "all");
+  add_drive_settings(*command, options.drives, arguments->settings);
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    arguments->options.drives.use_images = !arguments->simulate;
+    arguments->settings.seed = arguments->options.drives.seed;
+    exit_status = finish(run_scale_kitti(arguments->options, arguments->settings, arguments->request));
+  });
+}
+
 void add_synthetic(CLI::App& parent, int& exit_status) {
   struct Arguments {
     ExperimentRequest request;
@@ -330,29 +353,6 @@ void add_timing(CLI::App& parent, int& exit_status) {
   command->callback([arguments, &exit_status] {
     prepare(arguments->request);
     exit_status = finish(run_timing(arguments->options, arguments->request));
-  });
-}
-
-void add_scale_kitti(CLI::App& parent, int& exit_status) {
-  struct Arguments {
-    ExperimentRequest request;
-    ScaleKittiOptions options;
-    RunSettings settings;
-    bool simulate = false;
-  };
-  const auto arguments = std::make_shared<Arguments>();
-  ScaleKittiOptions& options = arguments->options;
-  CLI::App* command = parent.add_subcommand(kScaleKittiName, kScaleKittiSummary);
-  add_common(*command, arguments->request);
-  add_recorded_or_simulated(*command, options.drives, arguments->simulate);
-  add_choice(*command, options.drives, "default the real ones, else 06,07,10,00:1501, or all routes");
-  add_methods(*command, options.methods, "all");
-  add_drive_settings(*command, options.drives, arguments->settings);
-  command->callback([arguments, &exit_status] {
-    prepare(arguments->request);
-    arguments->options.drives.use_images = !arguments->simulate;
-    arguments->settings.seed = arguments->options.drives.seed;
-    exit_status = finish(run_scale_kitti(arguments->options, arguments->settings, arguments->request));
   });
 }
 

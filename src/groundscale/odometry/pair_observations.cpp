@@ -29,14 +29,17 @@ RoadObservations observe_pair(const Pair& pair, const Matches& road_matches, con
   observations.camera = camera;
   observations.cam_from_reference = {RigidTransform{}, pair.motion.cam2_from_cam1};
   observations.motion_covariance = pair.motion.covariance;
+  if (region.polygon_px.empty()) {
+    observations.weight_of_ray = [path = expected.path, road, sd_m = region.weight_sd_m](const Eigen::Vector3d& ray) {
+      const double offset = offset_from_path(path, road, ray) / sd_m;
+      constexpr double kMinWeight = 1e-3;
+      return std::max(kMinWeight, std::exp(-0.5 * offset * offset));
+    };
+  }
   for (const Match& match : road_matches) {
     RoadPoint point{match.id, match.pixel1, {RoadSight{1, match.pixel2}}};
     const auto ray = camera->ray(match.pixel1);
-    if (ray && region.polygon_px.empty()) {
-      const double offset = offset_from_path(expected.path, road, *ray) / region.weight_sd_m;
-      constexpr double kMinWeight = 1e-3;
-      point.weight = std::max(kMinWeight, std::exp(-0.5 * offset * offset));
-    }
+    if (ray && observations.weight_of_ray) point.weight = observations.weight_of_ray(*ray);
     observations.points.push_back(std::move(point));
   }
   observations.predicted_plane = {road.normal_in_cam, road.height / expected.warp.cam2_from_cam1.translation.norm()};

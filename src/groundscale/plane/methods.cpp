@@ -66,6 +66,7 @@ void visit_fields(PlaneOptions& options, FieldVisitor& visitor) {
   visitor.group("triangulation_ransac", options.triangulation_ransac);
   visitor.group("decomposition", options.decomposition);
   visitor.group("delaunay", options.delaunay);
+  visitor.group("dense", options.dense);
 }
 
 }  // namespace groundscale

@@ -13,6 +13,7 @@
 #include "groundscale/core/rng.hpp"
 #include "groundscale/estimation/ransac.hpp"
 #include "groundscale/geometry/ground_plane.hpp"
+#include "groundscale/plane/dense_options.hpp"
 #include "groundscale/plane/method_options.hpp"
 #include "groundscale/plane/observations.hpp"
 
@@ -36,6 +37,7 @@ struct PlaneOptions {
   TriangulationRansacOptions triangulation_ransac;
   DecompositionOptions decomposition;
   DelaunayOptions delaunay;
+  DenseOptions dense{};
 };
 
 void visit_fields(PlaneOptions& options, FieldVisitor& visitor);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -56,6 +57,8 @@ struct RoadObservations {
   /// view (not 0).
   std::vector<Image> images{};
   Image region{};
+  /// How much what lies along a ray of the reference view counts, as RoadPoint::weight; nothing: all the same.
+  std::function<double(const Eigen::Vector3d& ray)> weight_of_ray{};
 };
 
 }  // namespace groundscale

@@ -4,12 +4,17 @@
 #include <iterator>
 #include <vector>
 
+#include "groundscale/road/dense.hpp"
+
 namespace groundscale {
 
 std::span<const PlaneMethod> ground_methods() {
   static const std::vector<PlaneMethod> kMethods = [] {
     const std::span<const PlaneMethod> of_points = plane_methods();
-    return std::vector<PlaneMethod>(of_points.begin(), of_points.end());
+    std::vector<PlaneMethod> methods(of_points.begin(), of_points.end());
+    methods.push_back({"dense", "alignment of the road's pixels, motion given (Song, Chandraker 2014)",
+                       make_memoryless<estimate_plane_dense>});
+    return methods;
   }();
   return kMethods;
 }

@@ -1,0 +1,55 @@
+#include "groundscale/plane/dense_options.hpp"
+
+namespace groundscale {
+
+template <>
+std::vector<std::string_view> names_of<DenseRefinement>() {
+  return {"gauss_newton", "nelder_mead"};
+}
+
+void visit_fields(DenseOptions& options, FieldVisitor& visitor) {
+  visitor.field({.key = "refinement",
+                 .unit = "",
+                 .help = "of dense: Gauss-Newton on the robust difference, or the score of Song and Chandraker by the "
+                         "simplex of Nelder and Mead"},
+                options.refinement);
+  visitor.field({.key = "levels", .unit = "", .help = "halvings of the images, coarse to fine", .min = 0, .max = 5},
+                options.levels);
+  visitor.field({.key = "max_pixels",
+                 .unit = "",
+                 .help = "pixels of the region that are compared at each of them",
+                 .min = 100,
+                 .max = 10000000},
+                options.max_pixels);
+  visitor.field({.key = "smooth_px", .unit = "px", .help = "sd of the Gauss filter on both images", .min = 0, .max = 5},
+                options.smooth_px);
+  visitor.field({.key = "loss_bound",
+                 .unit = "",
+                 .help = "bound of Cauchy's loss, in robust sds of the differences",
+                 .min = 0.1,
+                 .max = 1000},
+                options.loss_bound);
+  visitor.field({.key = "worth_points",
+                 .unit = "",
+                 .help = "all pixels together count as so many road points against the prior of the normal",
+                 .min = 1,
+                 .max = 1000000},
+                options.worth_points);
+  visitor.field(
+      {.key = "min_correlation", .unit = "", .help = "least correlation of the aligned region", .min = -1, .max = 1},
+      options.min_correlation);
+  visitor.field({.key = "min_pixels",
+                 .unit = "",
+                 .help = "fewer compared pixels refuse the measurement",
+                 .min = 20,
+                 .max = 1000000},
+                options.min_pixels);
+  visitor.field({.key = "max_log_sd",
+                 .unit = "",
+                 .help = "largest formal sd of log height: beyond it there is too little texture",
+                 .min = 0.0001,
+                 .max = 1},
+                options.max_log_sd);
+}
+
+}  // namespace groundscale
