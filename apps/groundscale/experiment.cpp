@@ -278,7 +278,7 @@ void add_synthetic(CLI::App& parent, int& exit_status) {
   command->add_option("--max-noise", options.max_noise_px, "px (2)")->check(CLI::Range(0.0, 100.0));
   command->add_option("--noise-step", options.noise_step_px, "px (0.25)")->check(CLI::Range(0.01, 100.0));
   command->add_option("--trials", options.trials, "At each noise level (200)")->check(CLI::Range(1, 100000));
-  list("--pitch-errors", options.pitch_errors_deg, "By how many degrees triangulation's pitch is off (0,0.5,1)")
+  list("--pitch-errors", options.pitch_errors_deg, "By how many degrees triangulation's pitch is off (0,0.5,1,-0.5,-1)")
       ->check(CLI::Range(-45.0, 45.0));
   command->add_option("--preset", options.drive.preset, "Camera of the simulator's route (kitti)");
   command->add_option("--seed", options.seed, "Of scene and noise (0)")->check(CLI::NonNegativeNumber);

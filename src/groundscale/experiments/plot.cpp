@@ -40,7 +40,7 @@ std::string style_of(CurveStyle style, std::size_t curve) {
     case CurveStyle::kBand:
       return fmt::format("with filledcurves fillstyle transparent solid 0.15 noborder linecolor rgb '{}'", colour);
     case CurveStyle::kBars:
-      return fmt::format("with boxes fillstyle solid 0.6 border linecolor rgb '{}'", colour);
+      return fmt::format("with boxes linecolor rgb '{}' fillstyle solid 0.7 noborder", colour);
     case CurveStyle::kLinesPoints:
       break;
   }

@@ -27,9 +27,9 @@ struct SyntheticOptions {
   double rate_hz = 10.0;
   double max_noise_px = 2.0;
   double noise_step_px = 0.25;
-  int trials = 200;                                        ///< A point.
-  std::vector<double> pitch_errors_deg = {0.0, 0.5, 1.0};  ///< Of what `triangulation` is told.
-  int seed = 0;                                            ///< Of scene and noise.
+  int trials = 200;                                                    ///< A point.
+  std::vector<double> pitch_errors_deg = {0.0, 0.5, 1.0, -0.5, -1.0};  ///< Of what `triangulation` is told.
+  int seed = 0;                                                        ///< Of scene and noise.
   /// KEY=VALUE of the odometry's configuration: what the methods and the motion are made with, over settings that
   /// refuse nothing for its noise.
   std::vector<std::string> assignments;

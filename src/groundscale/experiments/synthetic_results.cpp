@@ -92,7 +92,7 @@ Finding best(const SyntheticResults& results, std::size_t setting, std::string w
 /// A curve's name in the data.
 std::string column_of(const SyntheticContender& contender) {
   return contender.pitch_error_deg == 0.0 ? contender.method
-                                          : fmt::format("{}_{:g}deg", contender.method, contender.pitch_error_deg);
+                                          : fmt::format("{}_{:+g}deg", contender.method, contender.pitch_error_deg);
 }
 
 std::optional<double> percent(double error) {
@@ -137,7 +137,7 @@ Plot plot_of(const SyntheticResults& results, std::size_t setting) {
 }  // namespace
 
 std::string SyntheticContender::label() const {
-  return pitch_error_deg == 0.0 ? method : fmt::format("{}, pitch off {:g} deg", method, pitch_error_deg);
+  return pitch_error_deg == 0.0 ? method : fmt::format("{}, pitch {:+g} deg", method, pitch_error_deg);
 }
 
 std::string SyntheticSetting::label() const {

@@ -22,7 +22,7 @@ struct SyntheticContender {
   std::string method;
   double pitch_error_deg = 0.0;
 
-  /// "triangulation, pitch off 0.5 deg"
+  /// "triangulation, pitch +0.5 deg"
   std::string label() const;
 };
 
