@@ -62,17 +62,25 @@ double mean_error(const SyntheticResults& results, std::size_t setting, std::siz
   return levels > 0 ? sum / levels : 0.0;
 }
 
-/// Whether a contender's median is more than `factor` times that of another, at every level.
-Finding worse(const SyntheticResults& results, std::size_t setting, std::string what, std::optional<std::size_t> a,
-              std::optional<std::size_t> b, double above_px, double factor) {
-  what += fmt::format(" ({})", results.settings[setting].label());
-  if (!a || !b) return missing(std::move(what));
+/// That one contender is worse than another.
+struct Comparison {
+  std::string what;
+  std::optional<std::size_t> worse, better;  ///< Contenders; nothing where one isn't measured.
+  double above_px = 0.0;                     ///< At every noise level above this,
+  double factor = 1.0;                       ///< by more than this factor.
+};
+
+Finding judge(const SyntheticResults& results, std::size_t setting, const Comparison& comparison) {
+  const std::string what = fmt::format("{} ({})", comparison.what, results.settings[setting].label());
+  if (!comparison.worse || !comparison.better) return missing(what);
+  const double above_px = comparison.above_px;
   const Count count = count_levels(results, above_px, [&](std::size_t level) {
-    return results.at(setting, level, *a).median() > factor * results.at(setting, level, *b).median();
+    return results.at(setting, level, *comparison.worse).median() >
+           comparison.factor * results.at(setting, level, *comparison.better).median();
   });
-  const double ratio = mean_error(results, setting, *a, above_px) / mean_error(results, setting, *b, above_px);
-  return judged(std::move(what), count,
-                std::isfinite(ratio) ? fmt::format(", {:.2f} times the error on average", ratio) : "");
+  const double ratio = mean_error(results, setting, *comparison.worse, above_px) /
+                       mean_error(results, setting, *comparison.better, above_px);
+  return judged(what, count, std::isfinite(ratio) ? fmt::format(", {:.2f} times the error on average", ratio) : "");
 }
 
 Finding best(const SyntheticResults& results, std::size_t setting, std::string what, std::size_t contender) {
@@ -222,7 +230,8 @@ std::vector<Finding> synthetic_findings(const SyntheticResults& results) {
   const auto worse_everywhere = [&](const std::string& method) {
     for (std::size_t k = 0; k < settings.size(); ++k) {
       findings.push_back(
-          worse(results, k, method + " is worse than sparse", find(results, method, 0.0), sparse, 0.0, 1.0));
+          judge(results, k,
+                {.what = method + " is worse than sparse", .worse = find(results, method, 0.0), .better = sparse}));
     }
   };
   worse_everywhere("decomposition");
@@ -238,7 +247,8 @@ std::vector<Finding> synthetic_findings(const SyntheticResults& results) {
     for (const std::size_t c : triangulations) {
       if (settings[k].speed_kmh != slowest->speed_kmh) continue;
       const std::string what = results.contenders[c].label() + " has twice the error of sparse beyond 1 px";
-      findings.push_back(worse(results, k, what, c, sparse, kBeyondPx, kFar));
+      findings.push_back(
+          judge(results, k, {.what = what, .worse = c, .better = sparse, .above_px = kBeyondPx, .factor = kFar}));
     }
   }
   worse_everywhere("joint");
