@@ -34,6 +34,8 @@ TEST(CalibrationExperiment, WritesTableAimsAndDrivesAndGoesOnWhereItWas) {
   const std::string report = read_text(output + "/calibration.md").value();
   EXPECT_THAT(report, HasSubstr("    groundscale experiment calibration --output "));
   EXPECT_THAT(report, HasSubstr("    groundscale simulate --output "));
+  EXPECT_THAT(read_text(output + "/report.html").value(),
+              HasSubstr("<pre>groundscale experiment calibration --output "));
   EXPECT_THAT(report, Not(HasSubstr("not done yet")));
   const std::string table = read_text(output + "/straight.csv").value();
   EXPECT_THAT(table, HasSubstr("\nstraight-small,\"k1 -0.02, cy +5 px\",-0.02,-0.02,,,"));

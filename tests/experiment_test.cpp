@@ -16,6 +16,7 @@
 
 #include "groundscale/experiments/plot.hpp"
 #include "groundscale/io/image_file.hpp"
+#include "groundscale/report/test_markup_internal.hpp"
 #include "program.hpp"
 
 namespace groundscale {
@@ -109,6 +110,20 @@ TEST_F(DrivesExperiment, WritesTableReportFiguresAndEachCommand) {
   }
 }
 
+TEST_F(DrivesExperiment, ReportIsAPageToo) {
+  const std::string html = text("report.html");
+  EXPECT_EQ(internal::what_is_wrong(html), "");
+  EXPECT_THAT(html, HasSubstr("<h1>Experiment drives: "));
+  EXPECT_THAT(html, HasSubstr("<td class=\"text\">city</td><td>7</td>"));
+  EXPECT_THAT(html, HasSubstr("<pre>groundscale experiment drives --output "));
+  if (gnuplot_is_there()) {
+    EXPECT_EQ(internal::occurrences(html, "src=\"data:image/svg+xml;base64,"), 4);
+    EXPECT_THAT(html, Not(HasSubstr("Not there:")));
+  }
+  // Each run has its own.
+  EXPECT_EQ(internal::what_is_wrong(text("drives/city/run/report.html")), "");
+}
+
 TEST_F(DrivesExperiment, FiguresOfScaleAreThoseOfTheSteps) {
   const auto steps = columns_of(output + "/figures/scale-straight.csv");
   const auto figures = columns_of(output + "/drives.csv");
@@ -185,7 +200,7 @@ TEST_F(DrivesExperiment, WithoutGnuplotThereIsEverythingElseAndTheFiguresComeLat
   EXPECT_THAT(without.err, HasSubstr("gnuplot-nox"));
   EXPECT_TRUE(fs::exists(output + "/figures/scale-city.csv"));
   EXPECT_FALSE(fs::exists(output + "/figures/scale-city.svg"));
-  EXPECT_THAT(text("drives.md"), HasSubstr("not drawn"));
+  for (const char* report : {"drives.md", "report.html"}) EXPECT_THAT(text(report), HasSubstr("not drawn"));
   if (!gnuplot_is_there()) return;
   const ProgramRun with = drives(output);
   EXPECT_EQ(with.status, 0) << with.err;

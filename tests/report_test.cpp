@@ -126,6 +126,8 @@ TEST(Report, PutsRunsOfOneDriveBesideEachOther) {
   EXPECT_THAT(html, HasSubstr("<tr><th>mode</th><td>keyframe</td><td>pairwise</td></tr>"));
   EXPECT_EQ(occurrences(html, "<h2>Curves"), 1);
   EXPECT_THAT(html, Not(HasSubstr("different drives")));
+  // A figure against the truth for the one that has it.
+  EXPECT_THAT(html, testing::ContainsRegex("<th>scale_bias, %</th><td>[-+][0-9.]+</td><td>\u2013</td>"));
 }
 
 TEST(Report, SaysThatRunsAreOfDifferentDrives) {

@@ -77,6 +77,7 @@ Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments
   const auto start = std::chrono::steady_clock::now();
   std::vector<double> frame_ms;
   double decoding_s = 0.0;
+  double samples_s = 0.0;
   std::optional<double> metres;
   while (true) {
     const auto frame_start = std::chrono::steady_clock::now();
@@ -87,7 +88,9 @@ Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments
     const FrameResult& result = odometry.advance(*frame, mask_of(*frame, masks, summary.warnings));
     if (const auto done = writer.write_online(odometry); !done) return done;
     frame_ms.push_back(1e3 * seconds_since(frame_start));
+    const auto samples_start = std::chrono::steady_clock::now();
     if (!arguments.no_report) samples.take(*frame, odometry, camera, true_step_m(truth, frame->index));
+    samples_s += seconds_since(samples_start);
     if (!arguments.overlay_folder.empty()) {
       if (const auto done = write_overlay(arguments.overlay_folder, *frame, odometry, camera); !done) return done;
     }
@@ -101,6 +104,7 @@ Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments
   summary.stage_ms.emplace_back("waiting for images", 1e3 * decoding_s / count);
   for (const auto& [stage, seconds] : odometry.clock().seconds())
     summary.stage_ms.emplace_back(stage, 1e3 * seconds / count);
+  if (!arguments.no_report) summary.stage_ms.emplace_back("sample pictures", 1e3 * samples_s / count);
   summary.median_ms = median(frame_ms);
   summary.p95_ms = quantile(frame_ms, 0.95);
   return {};

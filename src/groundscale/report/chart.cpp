@@ -202,7 +202,8 @@ std::optional<Plot> plot_of(const Chart& chart) {
   } else {
     const double size = std::max({std::abs(y.low), std::abs(y.high), 1e-3});
     const double margin = std::max(0.06 * (y.high - y.low), 1e-3 * size);
-    plot.low_x = x.low;
+    // Ways begin at 0, even where their first value comes a little later.
+    plot.low_x = x.low > 0.0 && x.low < 0.1 * x.high ? 0.0 : x.low;
     plot.high_x = x.high > x.low ? x.high : x.low + 1.0;
     plot.bottom_y = y.low - margin;
     plot.top_y = y.high + margin;

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -23,7 +25,7 @@ using internal::section;
 using internal::table_html;
 using internal::TextTable;
 
-using Cells = std::vector<std::string>;
+using Row = std::vector<std::string>;
 const std::string kNothing = "\u2013";
 
 std::string number(std::optional<double> value, int decimals, bool sign = false) {
@@ -38,6 +40,21 @@ std::string setting(const RunFolder& run, const std::string& name) {
   return kNothing;
 }
 
+/// The same without the quotes of text.
+std::string word(const RunFolder& run, const std::string& name) {
+  std::string value = setting(run, name);
+  if (value.size() >= 2 && value.starts_with('"') && value.ends_with('"')) value = value.substr(1, value.size() - 2);
+  return value;
+}
+
+std::string grade_in_words(const RunFolder& run) {
+  const RunVerdict verdict = verdict_of(run);
+  if (verdict.grade == Grade::kBad) return "bad";
+  const auto count = std::count_if(verdict.findings.begin(), verdict.findings.end(),
+                                   [](const Finding& finding) { return finding.grade == Grade::kReservation; });
+  return count == 0 ? "good" : fmt::format("{} reservation{}", count, count == 1 ? "" : "s");
+}
+
 /// A row a figure of the run itself.
 struct RunFigure {
   const char* name;
@@ -45,9 +62,10 @@ struct RunFigure {
 };
 
 constexpr RunFigure kRunFigures[] = {
-    {"mode", [](const RunFolder& r) { return setting(r, "odometry.mode"); }},
-    {"scale correction", [](const RunFolder& r) { return setting(r, "odometry.scale_correction"); }},
-    {"method", [](const RunFolder& r) { return setting(r, "ground.method"); }},
+    {"verdict", grade_in_words},
+    {"mode", [](const RunFolder& r) { return word(r, "odometry.mode"); }},
+    {"scale correction", [](const RunFolder& r) { return word(r, "odometry.scale_correction"); }},
+    {"method", [](const RunFolder& r) { return word(r, "ground.method"); }},
     {"frames", [](const RunFolder& r) { return fmt::to_string(r.summary.frames); }},
     {"first frame", [](const RunFolder& r) { return fmt::to_string(r.summary.first_frame); }},
     {"length, m", [](const RunFolder& r) { return number(r.summary.length_m, 2); }},
@@ -77,8 +95,8 @@ constexpr RunFigure kRunFigures[] = {
     {"ms a frame, 95 % below", [](const RunFolder& r) { return number(r.summary.p95_ms, 1); }},
     {"warnings", [](const RunFolder& r) { return fmt::to_string(r.summary.warnings.size()); }}};
 
-Cells heading(const std::vector<std::string>& names) {
-  Cells cells = {"figure"};
+Row heading(const std::vector<std::string>& names) {
+  Row cells = {"figure"};
   cells.insert(cells.end(), names.begin(), names.end());
   return cells;
 }
@@ -86,14 +104,29 @@ Cells heading(const std::vector<std::string>& names) {
 std::string figures_table(const std::vector<RunFolder>& runs, const std::vector<std::string>& names) {
   TextTable table{.heading = heading(names), .rows = {}};
   for (const RunFigure& figure : kRunFigures) {
-    Cells cells = {figure.name};
+    Row cells = {figure.name};
     for (const RunFolder& run : runs) cells.push_back(figure.of(run));
     table.rows.push_back(std::move(cells));
   }
   return table_html(table);
 }
 
-/// All figures against the truth, in the order of those who have most of them.
+/// Those that are seen at once; the others are a click away.
+constexpr std::string_view kMainFigures[] = {"scale_bias",
+                                             "scale_spread",
+                                             "scale_error_p95",
+                                             "scale_drift",
+                                             "t_rel",
+                                             "r_rel",
+                                             "ate_se3",
+                                             "sim3_scale",
+                                             "online_t_rel",
+                                             "raw_scale_bias",
+                                             "raw_scale_spread",
+                                             "coverage",
+                                             "online_within_2_sd"};
+
+/// Rows in the order of the run that has most of them.
 std::string truth_table(const std::vector<RunFolder>& runs, const std::vector<std::string>& names) {
   std::vector<std::vector<Figure>> figures;
   const std::vector<Figure>* longest = nullptr;
@@ -107,25 +140,30 @@ std::string truth_table(const std::vector<RunFolder>& runs, const std::vector<st
     if (longest == nullptr || figures.back().size() > longest->size()) longest = &figures.back();
   }
   if (longest == nullptr) return "";
-  TextTable table{.heading = heading(names), .rows = {}};
+  TextTable main{.heading = heading(names), .rows = {}};
+  TextTable others = main;
   for (const Figure& figure : *longest) {
-    Cells cells = {figure.unit.empty() ? figure.name : fmt::format("{}, {}", figure.name, figure.unit)};
+    Row cells = {figure.unit.empty() ? figure.name : fmt::format("{}, {}", figure.name, figure.unit)};
     for (const std::vector<Figure>& own : figures) {
       const auto found = std::find_if(own.begin(), own.end(), [&](const Figure& f) { return f.name == figure.name; });
       cells.push_back(found == own.end() ? kNothing : number(found->value, found->decimals, found->sign));
     }
-    table.rows.push_back(std::move(cells));
+    const bool is_main =
+        std::find(std::begin(kMainFigures), std::end(kMainFigures), figure.name) != std::end(kMainFigures);
+    (is_main ? main : others).rows.push_back(std::move(cells));
   }
-  return table_html(table) +
-         "<p>Defined in docs/evaluation.md of groundscale; scale is never aligned unless a figure's "
-         "name says so.</p>\n";
+  return table_html(main) +
+         fmt::format("<details>\n<summary>{} more figures</summary>\n{}</details>\n", others.rows.size(),
+                     table_html(others)) +
+         "<p>Defined in docs/evaluation.md of groundscale; scale is never aligned unless a figure's name says "
+         "so.</p>\n";
 }
 
 std::string settings_table(const std::vector<RunFolder>& runs, const std::vector<std::string>& names) {
   TextTable table{.heading = heading(names), .rows = {}};
   table.heading.front() = "key";
   for (const RunFolder::Setting& first : runs.front().settings) {
-    Cells cells = {first.name};
+    Row cells = {first.name};
     for (const RunFolder& run : runs) cells.push_back(setting(run, first.name));
     const bool alike = std::all_of(cells.begin() + 1, cells.end(), [&](const std::string& c) { return c == cells[1]; });
     if (!alike) table.rows.push_back(std::move(cells));
@@ -145,7 +183,7 @@ std::string reasons_table(const std::vector<RunFolder>& runs, const std::vector<
   TextTable table{.heading = heading(names), .rows = {}};
   table.heading.front() = "frames without an accepted measurement";
   for (const std::string& kind : kinds) {
-    Cells cells = {kind};
+    Row cells = {kind};
     for (const auto& own : reasons) {
       const auto found = std::find_if(own.begin(), own.end(), [&](const auto& r) { return r.kind == kind; });
       cells.push_back(found == own.end() ? "0" : fmt::to_string(found->count));

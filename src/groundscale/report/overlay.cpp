@@ -41,21 +41,20 @@ void tint(cv::Mat& picture, const Image& region) {
   cv::addWeighted(tinted, kStrength, picture, 1.0 - kStrength, 0.0, picture);
 }
 
-void draw_matches(cv::Mat& picture, const Matches& matches, const std::vector<int>& inliers, const cv::Scalar& good,
-                  const cv::Scalar& bad) {
-  std::vector<bool> is_inlier(matches.size(), false);
-  for (const int i : inliers) is_inlier[static_cast<std::size_t>(i)] = true;
-  for (std::size_t i = 0; i < matches.size(); ++i) {
-    const cv::Scalar& colour = is_inlier[i] ? good : bad;
-    draw_line(picture, matches[i].pixel1, matches[i].pixel2, colour);
-    cv::circle(picture, sub_pixel(matches[i].pixel1), 2 << kFraction, colour, 1, cv::LINE_AA, kFraction);
-  }
+/// So that what doesn't fit tells in grey too.
+void draw_cross(cv::Mat& picture, const Eigen::Vector2d& middle, const cv::Scalar& colour) {
+  const Eigen::Vector2d down(2.5, 2.5);
+  const Eigen::Vector2d up(2.5, -2.5);
+  draw_line(picture, middle - down, middle + down, colour);
+  draw_line(picture, middle - up, middle + up, colour);
 }
 
 /// Lines of the plane 5, 10, 15, 20 m ahead and up to 4 m to each side.
-void draw_plane(cv::Mat& picture, const GroundPlane& road, const Eigen::Vector3d& forward, const Camera& camera) {
+std::vector<OverlayParts::Line> plane_lines(const GroundPlane& road, const Eigen::Vector3d& forward,
+                                            const Camera& camera) {
   constexpr double kSideM = 4.0;
   const DrivenPath straight{(forward - road.normal_in_cam * road.normal_in_cam.dot(forward)).normalized(), 0.0};
+  std::vector<OverlayParts::Line> lines;
   const auto line = [&](double along1, double aside1, double along2, double aside2) {
     constexpr int kPieces = 10;
     for (int k = 0; k < kPieces; ++k) {
@@ -66,37 +65,86 @@ void draw_plane(cv::Mat& picture, const GroundPlane& road, const Eigen::Vector3d
       };
       const auto from = at(k);
       const auto to = at(k + 1);
-      if (from && to) draw_line(picture, *from, *to, kWhite);
+      if (from && to) lines.push_back({*from, *to});
     }
   };
   for (const double along : {5.0, 10.0, 15.0, 20.0}) line(along, -kSideM, along, kSideM);
   for (const double aside : {-4.0, -2.0, 0.0, 2.0, 4.0}) line(4.0, aside, 20.0, aside);
+  return lines;
 }
 
-cv::Mat draw_overlay(const Frame& frame, const Odometry& odometry, const Camera& camera) {
-  const FrameDetails& details = odometry.details();
-  const Image& base = details.reference_image.empty() ? frame.image : details.reference_image;
-  cv::Mat picture;
-  if (base.empty()) {
-    picture = cv::Mat::zeros(camera.height(), camera.width(), CV_8UC3);
-  } else {
-    cv::cvtColor(view_of(base), picture, cv::COLOR_GRAY2BGR);
+void add_matches(const Matches& matches, const std::vector<int>& inliers, bool road, OverlayParts& parts) {
+  std::vector<bool> is_inlier(matches.size(), false);
+  for (const int i : inliers) is_inlier[static_cast<std::size_t>(i)] = true;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    parts.matches.push_back({{matches[i].pixel1, matches[i].pixel2}, road, is_inlier[i]});
   }
-  tint(picture, details.region);
-  if (!details.region.empty()) draw_plane(picture, details.road, odometry.mounting().forward_in_cam(), camera);
-  // Indices of inliers are those of ray pairs, which are the matches where every pixel has a ray.
-  if (details.pairs.size() == details.matches.size())
-    draw_matches(picture, details.matches, details.inliers, kGreen, kRed);
-  draw_matches(picture, details.road_matches, details.road_inliers, kYellow, kMagenta);
+}
+
+/// A copy, perhaps a smaller one.
+Image shrunk(const Image& image, int width, int height, int interpolation) {
+  if (image.empty()) return {};
+  Image small(width, height);
+  cv::Mat target = view_of(small);
+  cv::resize(view_of(image), target, target.size(), 0.0, 0.0, interpolation);
+  return small;
+}
+
+void shrink(double factor, OverlayParts& parts) {
+  const int width = std::max(1, static_cast<int>(std::lround(factor * parts.image.width())));
+  const int height = std::max(1, static_cast<int>(std::lround(factor * parts.image.height())));
+  parts.image = shrunk(parts.image, width, height, cv::INTER_AREA);
+  parts.region = shrunk(parts.region, width, height, cv::INTER_NEAREST);
+  // A pixel's centre has whole coordinates.
+  const auto move = [factor](OverlayParts::Line& line) {
+    for (Eigen::Vector2d* end : {&line.from, &line.to}) *end = (factor * (end->array() + 0.5) - 0.5).matrix();
+  };
+  for (OverlayParts::Line& line : parts.plane) move(line);
+  for (OverlayParts::Match& match : parts.matches) move(match.line);
+}
+
+cv::Mat draw(const OverlayParts& parts) {
+  cv::Mat picture;
+  cv::cvtColor(view_of(parts.image), picture, cv::COLOR_GRAY2BGR);
+  tint(picture, parts.region);
+  for (const OverlayParts::Line& line : parts.plane) draw_line(picture, line.from, line.to, kWhite);
+  for (const OverlayParts::Match& match : parts.matches) {
+    const cv::Scalar& colour = match.road ? (match.fits ? kYellow : kMagenta) : (match.fits ? kGreen : kRed);
+    draw_line(picture, match.line.from, match.line.to, colour);
+    if (match.fits) {
+      cv::circle(picture, sub_pixel(match.line.from), 2 << kFraction, colour, 1, cv::LINE_AA, kFraction);
+    } else {
+      draw_cross(picture, match.line.from, colour);
+    }
+  }
   return picture;
 }
 
 }  // namespace
 
+OverlayParts overlay_parts(const Frame& frame, const Odometry& odometry, const Camera& camera, int most_width_px) {
+  const FrameDetails details = odometry.details();
+  OverlayParts parts;
+  parts.image = details.reference_image.empty() ? frame.image : details.reference_image;
+  if (parts.image.empty()) {
+    parts.image = Image(camera.width(), camera.height());
+    view_of(parts.image).setTo(0);
+  }
+  parts.region = details.region;
+  if (!details.region.empty()) {
+    parts.plane = plane_lines(details.road, odometry.mounting().forward_in_cam(), camera);
+  }
+  // Indices of inliers are those of ray pairs, which are the matches where every pixel has a ray.
+  if (details.pairs.size() == details.matches.size()) add_matches(details.matches, details.inliers, false, parts);
+  add_matches(details.road_matches, details.road_inliers, true, parts);
+  if (most_width_px > 0) shrink(std::min(1.0, static_cast<double>(most_width_px) / parts.image.width()), parts);
+  return parts;
+}
+
 Result<void> write_overlay(const std::string& folder, const Frame& frame, const Odometry& odometry,
                            const Camera& camera) {
   const FrameResult& result = odometry.results().back();
-  cv::Mat picture = draw_overlay(frame, odometry, camera);
+  cv::Mat picture = draw(overlay_parts(frame, odometry, camera, 0));
 
   constexpr double kDegree = std::numbers::pi / 180.0;
   std::string text = fmt::format("{} {}", result.frame, name_of(result.state));
@@ -119,18 +167,11 @@ Result<void> write_overlay(const std::string& folder, const Frame& frame, const 
   return {};
 }
 
-std::string overlay_jpeg(const Frame& frame, const Odometry& odometry, const Camera& camera, int most_width_px) {
+std::string overlay_jpeg(const OverlayParts& parts) {
   constexpr int kQuality = 80;
   std::vector<unsigned char> bytes;
   try {
-    cv::Mat picture = draw_overlay(frame, odometry, camera);
-    if (picture.cols > most_width_px) {
-      const double factor = static_cast<double>(most_width_px) / picture.cols;
-      cv::Mat smaller;
-      cv::resize(picture, smaller, {}, factor, factor, cv::INTER_AREA);
-      picture = smaller;
-    }
-    if (!cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality})) return "";
+    if (!cv::imencode(".jpg", draw(parts), bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality})) return "";
   } catch (const cv::Exception&) {
     return "";
   }

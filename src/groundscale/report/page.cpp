@@ -31,6 +31,8 @@ thead th { border-top: none; }
 th:first-child, td.reason { text-align: left; white-space: normal; }
 tbody th, td.reason { overflow-wrap: anywhere; }
 table.text th, table.text td, th.text, td.text { text-align: left; white-space: normal; overflow-wrap: anywhere; }
+table.figures th, table.figures td { text-align: left; white-space: nowrap; }
+table.figures td:last-child { white-space: normal; min-width: 9rem; }
 td.reason { border-top: none; padding-top: 0; color: #7a3b05; }
 .unit { font-weight: 400; color: #555555; }
 dl { display: grid; grid-template-columns: minmax(7rem, max-content) 1fr; gap: 0.25rem 1rem; margin: 0; }
@@ -91,6 +93,7 @@ img { display: block; max-width: 100%; height: auto; }
     -webkit-print-color-adjust: exact; }
   .wide { overflow: visible; }
   img { max-height: 150mm; }
+  .samples { grid-template-columns: 1fr 1fr; }
   figure, p, li, tr, dt, dd { break-inside: avoid; }
   h2, h3, thead, section > p { break-after: avoid; }
   svg.plot { max-height: 72mm; }
@@ -144,7 +147,10 @@ std::string definitions(const std::vector<std::pair<std::string, std::string>>& 
 
 std::string table_html(const TextTable& table) {
   if (table.rows.empty()) return "";
-  std::string html = fmt::format("<div class=\"wide\">\n<table{}>\n", table.words ? " class=\"text\"" : "");
+  const std::string_view kind = table.cells == Cells::kWords     ? " class=\"text\""
+                                : table.cells == Cells::kFigures ? " class=\"figures\""
+                                                                 : "";
+  std::string html = fmt::format("<div class=\"wide\">\n<table{}>\n", kind);
   if (!table.heading.empty()) {
     html += "<thead><tr>";
     for (const std::string& cell : table.heading) html += fmt::format("<th>{}</th>", escape_html(cell));

@@ -17,11 +17,17 @@ std::string section(std::string_view heading, const std::string& content);
 /// Names and values, both text; "" where there are none.
 std::string definitions(const std::vector<std::pair<std::string, std::string>>& pairs);
 
+/// What the columns of a table hold behind the first.
+enum class Cells {
+  kNumbers,
+  kWords,    ///< May be broken anywhere.
+  kFigures,  ///< A value and the like, and in the last column words.
+};
 /// A table whose cells are text.
 struct TextTable {
   std::vector<std::string> heading;
   std::vector<std::vector<std::string>> rows;
-  bool words = false;  ///< Its cells are words, not numbers, and may be broken into lines.
+  Cells cells = Cells::kNumbers;
 };
 /// "" without rows. It scrolls where it is wider than the page.
 std::string table_html(const TextTable& table);

@@ -43,8 +43,8 @@ TEST(Page, IsWellFormedAndEscapesItsTitle) {
 
 TEST(TableAndLists, TakeTextAndNoMarkup) {
   const std::string nasty = "<i>&\"'";
-  const std::string html = page(
-      "t", table_html({{nasty, nasty}, {{nasty, nasty}}, true}) + list_html({nasty}) + definitions({{nasty, nasty}}));
+  const std::string html = page("t", table_html({{nasty, nasty}, {{nasty, nasty}}, Cells::kWords}) +
+                                         list_html({nasty}) + definitions({{nasty, nasty}}));
   EXPECT_EQ(what_is_wrong(html), "");
   EXPECT_THAT(html, Not(HasSubstr("<i>")));
   EXPECT_EQ(table_html({{"a"}, {}}), "");

@@ -222,7 +222,7 @@ std::string map_figure(const RunFolder& run) {
                .y_name = "m per map unit",
                .height = 190.0,
                .bands = {},
-               .curves = {{.name = "scale in force", .style = 0, .points = scale}},
+               .curves = {{.name = "metres per unit of the map", .style = 0, .points = scale}},
                .events = events,
                .event_name = "map scaled"};
   Chart ratios{
@@ -235,7 +235,7 @@ std::string map_figure(const RunFolder& run) {
       .events = events,
       .event_name = "map scaled",
       .level = 1.0};
-  return chart_html(scales, "Scale of the map") + chart_html(ratios, "Drift ratio");
+  return chart_html(scales, "Scale in force") + chart_html(ratios, "Drift ratio");
 }
 
 std::string angle_figure(const RunFolder& run) {
@@ -293,7 +293,7 @@ std::string truth_figure(const RunFolder& run) {
   const ComparedRun& compared = *run.compared;
   Chart chart{.name = "Steps over true ones by distance",
               .x_name = "true distance, m",
-              .y_name = "step over the true one, %",
+              .y_name = "over true, %",
               .bands = {},
               .curves = {{.name = "measured (raw)", .drawn = Drawn::kRings, .style = 1, .points = {}},
                          {.name = "filtered (online)", .style = 2, .points = {}},
@@ -321,7 +321,7 @@ std::string pieces_figure(const std::vector<NamedRun>& runs) {
   const std::vector<double> first_steps = final_steps(first);
   Chart chart{.name = "Lengths of pieces of the way",
               .x_name = by_truth ? "true distance, m" : kDistance,
-              .y_name = by_truth ? "length over the true one, %" : "length over the first's, %",
+              .y_name = by_truth ? "over true, %" : "over first, %",
               .bands = {},
               .curves = {},
               .events = {},

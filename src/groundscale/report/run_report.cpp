@@ -17,6 +17,7 @@
 namespace groundscale {
 namespace {
 
+using internal::Cells;
 using internal::definitions;
 using internal::escape_html;
 using internal::section;
@@ -29,9 +30,10 @@ std::string paragraph(std::string_view text) {
   return text.empty() ? "" : fmt::format("<p>{}</p>\n", escape_html(text));
 }
 
-std::string details(std::string_view summary, const std::string& content) {
+std::string details(std::string_view summary, const std::string& content, bool open = false) {
   if (content.empty()) return "";
-  return fmt::format("<details>\n<summary>{}</summary>\n{}</details>\n", escape_html(summary), content);
+  return fmt::format("<details{}>\n<summary>{}</summary>\n{}</details>\n", open ? " open=\"open\"" : "",
+                     escape_html(summary), content);
 }
 
 std::string facts(const RunFolder& run) {
@@ -65,12 +67,13 @@ std::string truth_section(const RunFolder& run) {
   if (!run.compared) return "";
   std::string html = internal::truth_figure(run);
   for (const FigureGroup& group : figures_of(run.compared->evaluation)) {
-    TextTable table{.heading = {"figure", "value", "unit", "of", "meaning"}, .rows = {}, .words = true};
+    TextTable table{.heading = {"figure", "value", "unit", "of", "meaning"}, .rows = {}, .cells = Cells::kFigures};
     for (const Figure& figure : group.figures) {
       table.rows.push_back({figure.name, figure_value(figure), figure.unit,
                             fmt::format("{} {}", figure.count, figure.of), figure.meaning});
     }
-    html += details(group.title, table_html(table));
+    // What the final trajectory is worth is seen at once, and printed.
+    html += details(group.title, table_html(table), group.title.starts_with("final"));
   }
   return html + paragraph("Scale is never aligned unless a figure's name says so.");
 }
@@ -174,10 +177,11 @@ std::string samples_section(const RunFolder& run) {
   }
   if (figures.empty()) return "";
   return paragraph(
-             "The region of the road is tinted; points of the whole image are green where they fit the motion and red "
-             "where not, drawn to where they went; road points yellow where they fit the plane and magenta where not; "
-             "the "
-             "grid is the plane, lines 2 m apart across and 5 m along. Each picture is the pair's earlier view.") +
+             "Lines go from where a point was to where it went. Circles fit, crosses don't. Points of the whole image "
+             "are "
+             "green (red where they don't fit the motion), those of the road yellow (magenta where they don't fit the "
+             "plane). The region of the road is tinted; the grid is the plane, lines 2 m apart across and 5 m along. "
+             "Each picture is the pair's earlier view.") +
          "<div class=\"samples\">\n" + figures + "</div>\n";
 }
 
@@ -185,8 +189,8 @@ std::string settings_section(const RunFolder& run) {
   if (run.settings.empty()) {
     return run.config_text.empty() ? "" : details("config.yaml", "<pre>" + escape_html(run.config_text) + "</pre>\n");
   }
-  TextTable differing{.heading = {"key", "value", "default", "unit"}, .rows = {}, .words = true};
-  TextTable usual{.heading = {"key", "value", "unit"}, .rows = {}, .words = true};
+  TextTable differing{.heading = {"key", "value", "default", "unit"}, .rows = {}, .cells = Cells::kWords};
+  TextTable usual{.heading = {"key", "value", "unit"}, .rows = {}, .cells = Cells::kWords};
   for (const RunFolder::Setting& setting : run.settings) {
     if (setting.differs()) {
       differing.rows.push_back({setting.name, setting.value, setting.usual, setting.unit});

@@ -121,8 +121,11 @@ std::string headline(const RunVerdict& verdict) {
     case Grade::kGood:
     case Grade::kNote:
       return "Nothing speaks against this run.";
-    case Grade::kReservation:
-      return "To be used with reservations. " + worst->words;
+    case Grade::kReservation: {
+      const auto reservations = std::count_if(verdict.findings.begin(), verdict.findings.end(),
+                                              [](const Finding& f) { return f.grade == Grade::kReservation; });
+      return fmt::format("To be used with {}. {}", plural(static_cast<int>(reservations), "reservation"), worst->words);
+    }
     case Grade::kBad:
       return "Not to be relied upon. " + worst->words;
   }

@@ -45,19 +45,22 @@ std::optional<SampleFrame> badness_of(const FrameResult& result, std::optional<d
   return sample;
 }
 
-bool worse(const SampleFrame& a, const SampleFrame& b) { return a.value > b.value; }
+using Candidate = SampleFrames::Candidate;
 
-bool holds(const std::vector<SampleFrame>& samples, int frame) {
-  return std::any_of(samples.begin(), samples.end(), [frame](const SampleFrame& s) { return s.frame == frame; });
+bool worse(const Candidate& a, const Candidate& b) { return a.sample.value > b.sample.value; }
+
+bool holds(const std::vector<Candidate>& candidates, int frame) {
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [frame](const Candidate& candidate) { return candidate.sample.frame == frame; });
 }
 
 /// Of the candidates the one that lies farthest from all that are chosen; nothing where all are among them.
-const SampleFrame* farthest(const std::vector<SampleFrame>& candidates, const std::vector<SampleFrame>& chosen) {
-  const SampleFrame* best = nullptr;
+const Candidate* farthest(const std::vector<Candidate>& candidates, const std::vector<Candidate>& chosen) {
+  const Candidate* best = nullptr;
   int best_gap = 0;
-  for (const SampleFrame& candidate : candidates) {
+  for (const Candidate& candidate : candidates) {
     int gap = std::numeric_limits<int>::max();
-    for (const SampleFrame& other : chosen) gap = std::min(gap, std::abs(candidate.frame - other.frame));
+    for (const Candidate& other : chosen) gap = std::min(gap, std::abs(candidate.sample.frame - other.sample.frame));
     if (gap > best_gap) {
       best = &candidate;
       best_gap = gap;
@@ -72,42 +75,42 @@ std::string picture_name(int frame) { return fmt::format("{:06}.jpg", frame); }
 
 void SampleFrames::take(const Frame& frame, const Odometry& odometry, const Camera& camera,
                         std::optional<double> true_step_m) {
-  std::string picture;  // made once, though it may be wanted in several places
-  take(odometry.results().back(), true_step_m, [&] {
-    if (picture.empty()) picture = overlay_jpeg(frame, odometry, camera, kPictureWidthPx);
-    return picture;
+  take(odometry.results().back(), true_step_m, [&]() -> DrawPicture {
+    return [parts = overlay_parts(frame, odometry, camera, kPictureWidthPx)] { return overlay_jpeg(parts); };
   });
 }
 
-void SampleFrames::take(const FrameResult& result, std::optional<double> true_step_m, const MakePicture& make_picture) {
-  take_worst(result, true_step_m, make_picture);
-  take_refused(result, make_picture);
-  take_spread(result, make_picture);
+void SampleFrames::take(const FrameResult& result, std::optional<double> true_step_m, const PutAside& put_aside) {
+  DrawPicture draw;  // put aside once, though it may be wanted in several places
+  const auto once = [&] {
+    if (!draw) draw = put_aside();
+    return draw;
+  };
+  take_worst(result, true_step_m, once);
+  take_refused(result, once);
+  take_spread(result, once);
   ++taken_;
 }
 
-void SampleFrames::take_worst(const FrameResult& result, std::optional<double> true_step_m,
-                              const MakePicture& make_picture) {
-  std::optional<SampleFrame> sample = badness_of(result, true_step_m);
+void SampleFrames::take_worst(const FrameResult& result, std::optional<double> true_step_m, const PutAside& put_aside) {
+  const std::optional<SampleFrame> sample = badness_of(result, true_step_m);
   if (!sample) return;
   const int apart = std::max(5, frames_ / 50);
-  const auto neighbour = std::find_if(worst_.begin(), worst_.end(), [&](const SampleFrame& other) {
-    return std::abs(other.frame - sample->frame) < apart;
+  const auto neighbour = std::find_if(worst_.begin(), worst_.end(), [&](const Candidate& other) {
+    return std::abs(other.sample.frame - sample->frame) < apart;
   });
   auto place = neighbour;
   if (place == worst_.end() && worst_.size() == kWorstKept) {
     place = std::max_element(worst_.begin(), worst_.end(), worse);  // the least bad
   }
-  if (place != worst_.end() && sample->value < kWorseBy * place->value) return;
-  sample->picture = make_picture();
-  if (place != worst_.end()) {
-    *place = std::move(*sample);
-  } else {
-    worst_.push_back(std::move(*sample));
+  if (place == worst_.end()) {
+    worst_.push_back({*sample, put_aside()});
+  } else if (sample->value >= kWorseBy * place->sample.value) {
+    *place = {*sample, put_aside()};
   }
 }
 
-void SampleFrames::take_refused(const FrameResult& result, const MakePicture& make_picture) {
+void SampleFrames::take_refused(const FrameResult& result, const PutAside& put_aside) {
   const bool drove =
       result.state == FrameState::kMoving || result.state == FrameState::kBridged || result.state == FrameState::kLost;
   if (!drove || result.reason.empty() || taken_ == 0) return;
@@ -118,40 +121,44 @@ void SampleFrames::take_refused(const FrameResult& result, const MakePicture& ma
   ++refusals.count;
   // The second of a kind: the first ones often belong to the start of the drive.
   if (refusals.count > 2) return;
-  refusals.shown = SampleFrame{.frame = result.frame, .why = "refused", .value = 0.0, .picture = make_picture()};
+  refusals.shown = {{.frame = result.frame, .why = "refused", .value = 0.0, .picture = ""}, put_aside()};
 }
 
-void SampleFrames::take_spread(const FrameResult& result, const MakePicture& make_picture) {
+void SampleFrames::take_spread(const FrameResult& result, const PutAside& put_aside) {
   if (spread_.size() >= kShown) return;
   const double wanted = (static_cast<double>(spread_.size()) + 0.5) * frames_ / static_cast<double>(kShown);
   if (taken_ < static_cast<int>(wanted)) return;
-  spread_.push_back({.frame = result.frame, .why = "spread", .value = 0.0, .picture = make_picture()});
+  spread_.push_back({{.frame = result.frame, .why = "spread", .value = 0.0, .picture = ""}, put_aside()});
 }
 
 std::vector<SampleFrame> SampleFrames::chosen() const {
-  std::vector<SampleFrame> chosen;
-  const auto add = [&chosen](const SampleFrame& sample) {
-    if (chosen.size() < kShown && !holds(chosen, sample.frame)) chosen.push_back(sample);
+  std::vector<Candidate> chosen;
+  const auto add = [&chosen](const Candidate& candidate) {
+    if (chosen.size() < kShown && !holds(chosen, candidate.sample.frame)) chosen.push_back(candidate);
   };
-  std::vector<SampleFrame> worst = worst_;
+  std::vector<Candidate> worst = worst_;
   std::stable_sort(worst.begin(), worst.end(), worse);
   for (std::size_t k = 0; k < std::min(kWorstShown, worst.size()); ++k) add(worst[k]);
   std::vector<const Refusals*> refused;
-  for (const auto& [kind, refusals] : refused_) {
-    if (refusals.shown) refused.push_back(&refusals);
-  }
+  for (const auto& [kind, refusals] : refused_) refused.push_back(&refusals);
   std::stable_sort(refused.begin(), refused.end(),
                    [](const Refusals* a, const Refusals* b) { return a->count > b->count; });
-  for (std::size_t k = 0; k < std::min(kRefusedShown, refused.size()); ++k) add(*refused[k]->shown);
+  for (std::size_t k = 0; k < std::min(kRefusedShown, refused.size()); ++k) add(refused[k]->shown);
   while (chosen.size() < kShown) {
-    const SampleFrame* next = farthest(spread_, chosen);
+    const Candidate* next = farthest(spread_, chosen);
     if (next == nullptr) break;
     chosen.push_back(*next);
   }
-  for (const SampleFrame& sample : worst) add(sample);
-  for (const Refusals* refusals : refused) add(*refusals->shown);
-  std::sort(chosen.begin(), chosen.end(), [](const SampleFrame& a, const SampleFrame& b) { return a.frame < b.frame; });
-  return chosen;
+  for (const Candidate& candidate : worst) add(candidate);
+  for (const Refusals* refusals : refused) add(refusals->shown);
+  std::sort(chosen.begin(), chosen.end(),
+            [](const Candidate& a, const Candidate& b) { return a.sample.frame < b.sample.frame; });
+  std::vector<SampleFrame> samples;
+  for (const Candidate& candidate : chosen) {
+    samples.push_back(candidate.sample);
+    samples.back().picture = candidate.draw();
+  }
+  return samples;
 }
 
 std::string kind_of_reason(std::string_view reason) {

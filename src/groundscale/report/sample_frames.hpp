@@ -24,9 +24,10 @@ struct SampleFrame {
 /// Picks frames to look at while a drive goes on, of which only its end tells which they are: the worst, the refused,
 /// and others spread evenly.
 ///
-/// A frame is drawn (draw_overlay, at most 960 px wide) and encoded only when it enters, so that most cost nothing; at
-/// most 4 + 6 + 8 pictures are held. A frame enters the worst where it is worse by a tenth than the least of them, or
-/// than the one that lies within 2 % of the drive of it, whose place it takes: worst ones that lie apart.
+/// What a picture is drawn from is put aside when its frame enters (overlay_parts, at most 960 px wide), so that most
+/// frames cost nothing; at most 4 + 6 + 8 are held, and only those that are chosen in the end are drawn. A frame enters
+/// the worst where it is worse by a tenth than the least of them, or than the one that lies within 2 % of the drive of
+/// it, whose place it takes: worst ones that lie apart.
 class SampleFrames {
  public:
   /// @param frames  That the drive has, as far as that is known.
@@ -36,26 +37,34 @@ class SampleFrames {
   /// then is by how many of its sds a measurement deviates from the filtered step.
   void take(const Frame& frame, const Odometry& odometry, const Camera& camera, std::optional<double> true_step_m);
 
+  /// Draws the picture of a frame that was put aside: bytes of a JPEG file.
+  using DrawPicture = std::function<std::string()>;
+  using PutAside = std::function<DrawPicture()>;
+  /// The rules by themselves: what `take` does with a frame's result. @param put_aside  Called where it enters.
+  void take(const FrameResult& result, std::optional<double> true_step_m, const PutAside& put_aside);
+
   /// The worst (up to three), one of each of the two commonest refusals, the rest spread evenly; eight in all where
   /// there are so many, by their numbers.
   std::vector<SampleFrame> chosen() const;
 
-  /// The rules by themselves: what `take` does with a frame's result, with its picture to be made where it is needed.
-  using MakePicture = std::function<std::string()>;
-  void take(const FrameResult& result, std::optional<double> true_step_m, const MakePicture& make_picture);
+  /// A frame that may be chosen.
+  struct Candidate {
+    SampleFrame sample;  ///< Without its picture.
+    DrawPicture draw;
+  };
 
  private:
-  void take_worst(const FrameResult& result, std::optional<double> true_step_m, const MakePicture& make_picture);
-  void take_refused(const FrameResult& result, const MakePicture& make_picture);
-  void take_spread(const FrameResult& result, const MakePicture& make_picture);
+  void take_worst(const FrameResult& result, std::optional<double> true_step_m, const PutAside& put_aside);
+  void take_refused(const FrameResult& result, const PutAside& put_aside);
+  void take_spread(const FrameResult& result, const PutAside& put_aside);
 
   int frames_ = 0;
   int taken_ = 0;
-  std::vector<SampleFrame> worst_;
-  std::vector<SampleFrame> spread_;
+  std::vector<Candidate> worst_;
+  std::vector<Candidate> spread_;
   struct Refusals {
     int count = 0;
-    std::optional<SampleFrame> shown;
+    Candidate shown;
   };
   std::map<std::string, Refusals> refused_;
 };

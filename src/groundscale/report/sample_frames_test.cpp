@@ -36,8 +36,8 @@ class Drive {
   explicit Drive(int frames) : samples(frames) {}
   void take(const FrameResult& result, std::optional<double> true_step_m = std::nullopt) {
     samples.take(result, true_step_m, [&] {
-      ++pictures;
-      return fmt::to_string(result.frame);
+      ++put_aside;
+      return [frame = result.frame] { return fmt::to_string(frame); };
     });
   }
   std::vector<int> frames(const std::string& why) const {
@@ -49,7 +49,7 @@ class Drive {
     return numbers;
   }
   SampleFrames samples;
-  int pictures = 0;
+  int put_aside = 0;
 };
 
 TEST(SampleFrames, ShowsTheFarthestFromTheFilteredStepInStandardDeviations) {
@@ -131,12 +131,12 @@ TEST(SampleFrames, AShortDriveShowsEachFrameOnce) {
   EXPECT_THAT(numbers, ElementsAre(0, 1, 2, 3, 4));
 }
 
-TEST(SampleFrames, MakesFewPicturesOfALongDrive) {
+TEST(SampleFrames, PutsFewFramesOfALongDriveAside) {
   Rng rng(1);
   Drive drive(4000);
   for (int k = 0; k < 4000; ++k) drive.take(measured(k, std::exp(0.05 * rng.normal())));
   // 8 spread and some tens while the largest of normal errors are found; every frame is one in 4000.
-  EXPECT_LE(drive.pictures, 60);
+  EXPECT_LE(drive.put_aside, 60);
   EXPECT_EQ(drive.samples.chosen().size(), 8U);
 }
 
@@ -144,7 +144,7 @@ TEST(SampleFrames, ErrorsThatGrowAllTheTimeAreHeldWithinBounds) {
   Drive drive(4000);
   for (int k = 0; k < 4000; ++k) drive.take(measured(k, std::exp(0.001 * k)));
   // From 0.02 to 80 sd in steps of a tenth: log(4000) / log(1.1) = 87 for each of the four places at most.
-  EXPECT_LE(drive.pictures, 4 * 87 + 8);
+  EXPECT_LE(drive.put_aside, 4 * 87 + 8);
   EXPECT_THAT(drive.frames("deviation"), Contains(testing::Ge(3600)));
 }
 
