@@ -40,22 +40,18 @@ struct Stages {
     use_one_thread();
     for (int k = 0; k < kFrames; ++k) images.push_back(drive.render(k * drive.step_m));
     Tracker tracker(options.tracking);
-    tracker.advance(pyramid(0), {});
+    tracker.advance(images[0], {});
     const std::vector<TrackPoint> first = tracker.points();
-    tracker.advance(pyramid(1), {});
+    tracker.advance(images[1], {});
     matches = match_by_id(first, tracker.points());
     Rng rng(0);
     motion = estimate_motion(ray_pairs(matches, *camera), camera->focal_px(), options.motion, rng);
     warp = {{motion.cam2_from_cam1.rotation, drive.step_m * motion.cam2_from_cam1.translation}, road};
     region = region_mask({}, road, *camera, options.road.region);
     view.image = images[0];
-    RoadMatcher matcher(options.road.tracking);
+    RoadMatcher matcher(options.road.tracking, options.tracking.front_end);
     matcher.fill(view, region);
     road_matches = matcher.match(view, images[1], warp, true, *camera);
-  }
-
-  Pyramid pyramid(int k) const {
-    return {images[static_cast<std::size_t>(k)], options.tracking.klt.levels, options.tracking.klt.window_px};
   }
 };
 
@@ -80,7 +76,7 @@ void tracking(benchmark::State& state) {
   Tracker tracker(s.options.tracking);
   int k = 0;
   for (auto _ : state) {
-    tracker.advance(s.pyramid(k), {});
+    tracker.advance(s.images[static_cast<std::size_t>(k)], {});
     k = (k + 1) % kFrames;
   }
 }
@@ -104,7 +100,7 @@ BENCHMARK(road_region)->Unit(benchmark::kMillisecond);
 
 void road_detection(benchmark::State& state) {
   const Stages& s = stages();
-  RoadMatcher matcher(s.options.road.tracking);
+  RoadMatcher matcher(s.options.road.tracking, s.options.tracking.front_end);
   for (auto _ : state) {
     RoadView view{s.images[0], {}};
     matcher.fill(view, s.region);
@@ -115,7 +111,7 @@ BENCHMARK(road_detection)->Unit(benchmark::kMillisecond);
 
 void road_tracking(benchmark::State& state) {
   const Stages& s = stages();
-  const RoadMatcher matcher(s.options.road.tracking);
+  const RoadMatcher matcher(s.options.road.tracking, s.options.tracking.front_end);
   for (auto _ : state) benchmark::DoNotOptimize(matcher.match(s.view, s.images[1], s.warp, true, *s.camera));
 }
 BENCHMARK(road_tracking)->Unit(benchmark::kMillisecond);

@@ -90,7 +90,7 @@ PairwiseOdometry::PairwiseOdometry(const CameraSetup& setup, const OdometryOptio
       estimate_plane_(find_ground_method(options.ground.method)->make(options.ground.plane)),
       rng_(static_cast<std::uint64_t>(options.seed)),
       tracker_(options.tracking),
-      road_matcher_(options.road.tracking),
+      road_matcher_(options.road.tracking, options.tracking.front_end),
       mounting_(setup.pitch_rad, setup.roll_rad, setup.yaw_rad, options.ground.settle_after),
       filter_(make_ground_filter(options.ground.filter, *setup.height_m)),
       views_(options.pair, options.motion) {}
@@ -98,8 +98,7 @@ PairwiseOdometry::PairwiseOdometry(const CameraSetup& setup, const OdometryOptio
 const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& road_mask) {
   clock_.skip();
   if (!frame.image.empty()) {
-    tracker_.advance(Pyramid(frame.image, options_.tracking.klt.levels, options_.tracking.klt.window_px),
-                     tracking_mask_);
+    tracker_.advance(frame.image, tracking_mask_);
     clock_.lap("tracking");
   }
   return advance(frame, road_mask, {tracker_.points(), tracker_.followed()});

@@ -14,11 +14,10 @@ constexpr int kWidth = 200;
 constexpr int kHeight = 140;
 const Eigen::Vector2d kShift(3.3, -1.7);  // px a frame
 
-Pyramid frame(int k, const TrackingOptions& options) {
+Image frame(int k) {
   static const TestTexture texture(4);
-  const Image image = texture.render(kWidth, kHeight,
-                                     [k](int x, int y) { return Eigen::Vector2d(Eigen::Vector2d(x, y) - k * kShift); });
-  return {image, options.klt.levels, options.klt.window_px};
+  return texture.render(kWidth, kHeight,
+                        [k](int x, int y) { return Eigen::Vector2d(Eigen::Vector2d(x, y) - k * kShift); });
 }
 
 TEST(Tracker, FollowsAShiftToATenthOfAPixelUnderLastingIds) {
@@ -26,7 +25,7 @@ TEST(Tracker, FollowsAShiftToATenthOfAPixelUnderLastingIds) {
   Tracker tracker(options);
   std::map<TrackId, std::pair<int, Eigen::Vector2d>> starts;
   for (int k = 0; k < 5; ++k) {
-    tracker.advance(frame(k, options), {});
+    tracker.advance(frame(k), {});
     for (const TrackPoint& point : tracker.points()) {
       const auto [start, is_new] = starts.try_emplace(point.id, k, point.pixel);
       // A window of 15 px that reaches over the edge sees only a part of itself move: such points drift.
@@ -52,7 +51,7 @@ TEST(Tracker, AnIdThatIsLostNeverComesAgain) {
   std::set<TrackId> seen, last;
   bool any_lost = false;
   for (int k = 0; k < 8; ++k) {
-    tracker.advance(frame(k, options), {});
+    tracker.advance(frame(k), {});
     std::set<TrackId> present;
     TrackId before = -1;
     for (const TrackPoint& point : tracker.points()) {
@@ -71,19 +70,19 @@ TEST(Tracker, AnIdThatIsLostNeverComesAgain) {
 TEST(Tracker, RevivedPointsAreFollowedUnderTheirOldIds) {
   const TrackingOptions options;
   Tracker tracker(options);
-  tracker.advance(frame(0, options), {});
+  tracker.advance(frame(0), {});
   const std::vector<TrackPoint> before = tracker.points();
   ASSERT_GT(before.size(), 20U);
-  tracker.advance(Pyramid(Image(kWidth, kHeight), options.klt.levels, options.klt.window_px), {});
+  tracker.advance(Image(kWidth, kHeight), {});
   ASSERT_TRUE(tracker.points().empty());
-  tracker.advance(frame(0, options), {});
+  tracker.advance(frame(0), {});
   ASSERT_GT(tracker.points().front().id, before.back().id);
   const std::size_t others = tracker.points().size();
   tracker.revive(before);
   tracker.revive({{before.front().id, {1.0, 1.0}}});  // still followed: it stays where it is
   EXPECT_EQ(tracker.points().size(), others + before.size());
   EXPECT_EQ(tracker.points().front().pixel, before.front().pixel);
-  tracker.advance(frame(0, options), {});
+  tracker.advance(frame(0), {});
   EXPECT_EQ(match_by_id(before, tracker.points()).size(), before.size());
 }
 
@@ -95,7 +94,7 @@ TEST(Tracker, KeepsNoPointWhereTheMaskForbidsIt) {
   }
   Tracker tracker(options);
   for (int k = 0; k < 5; ++k) {
-    tracker.advance(frame(k, options), mask);
+    tracker.advance(frame(k), mask);
     EXPECT_GT(tracker.points().size(), 10U);
     for (const TrackPoint& point : tracker.points()) EXPECT_LT(point.pixel.x(), kWidth / 2);
   }
@@ -104,12 +103,12 @@ TEST(Tracker, KeepsNoPointWhereTheMaskForbidsIt) {
 TEST(Tracker, LosesAllTracksInABlackFrameAndStartsAnewAfterIt) {
   const TrackingOptions options;
   Tracker tracker(options);
-  tracker.advance(frame(0, options), {});
+  tracker.advance(frame(0), {});
   const TrackId last_id = tracker.points().back().id;
-  tracker.advance({Image(kWidth, kHeight), options.klt.levels, options.klt.window_px}, {});
+  tracker.advance(Image(kWidth, kHeight), {});
   EXPECT_EQ(tracker.followed(), 0);
   EXPECT_TRUE(tracker.points().empty());
-  tracker.advance(frame(1, options), {});
+  tracker.advance(frame(1), {});
   EXPECT_EQ(tracker.followed(), 0);
   ASSERT_FALSE(tracker.points().empty());
   EXPECT_GT(tracker.points().front().id, last_id);
@@ -119,7 +118,7 @@ TEST(Tracker, HasNoMoreTracksThanItMay) {
   TrackingOptions options;
   options.max_tracks = 12;
   Tracker tracker(options);
-  tracker.advance(frame(0, options), {});
+  tracker.advance(frame(0), {});
   EXPECT_EQ(tracker.points().size(), 12U);
 }
 
