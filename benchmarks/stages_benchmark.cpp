@@ -49,7 +49,7 @@ struct Stages {
     warp = {{motion.cam2_from_cam1.rotation, drive.step_m * motion.cam2_from_cam1.translation}, road};
     region = region_mask({}, road, *camera, options.road.region);
     view.image = images[0];
-    RoadMatcher matcher(options.road.tracking, options.tracking.front_end);
+    RoadMatcher matcher(options.road.tracking);
     matcher.fill(view, region);
     road_matches = matcher.match(view, images[1], warp, true, *camera);
   }
@@ -100,7 +100,7 @@ BENCHMARK(road_region)->Unit(benchmark::kMillisecond);
 
 void road_detection(benchmark::State& state) {
   const Stages& s = stages();
-  RoadMatcher matcher(s.options.road.tracking, s.options.tracking.front_end);
+  RoadMatcher matcher(s.options.road.tracking);
   for (auto _ : state) {
     RoadView view{s.images[0], {}};
     matcher.fill(view, s.region);
@@ -111,7 +111,7 @@ BENCHMARK(road_detection)->Unit(benchmark::kMillisecond);
 
 void road_tracking(benchmark::State& state) {
   const Stages& s = stages();
-  const RoadMatcher matcher(s.options.road.tracking, s.options.tracking.front_end);
+  const RoadMatcher matcher(s.options.road.tracking);
   for (auto _ : state) benchmark::DoNotOptimize(matcher.match(s.view, s.images[1], s.warp, true, *s.camera));
 }
 BENCHMARK(road_tracking)->Unit(benchmark::kMillisecond);

@@ -188,6 +188,7 @@ std::vector<std::string> simulate_arguments(const DriveChoice& drive, const Driv
   add("--camera", options.camera);
   add("--frames", fmt::to_string(drive.frames));
   if (options.seed) add("--seed", fmt::to_string(*options.seed));
+  if (options.depth) arguments.insert(arguments.end(), {"--depth", "--road-masks"});
   return arguments;
 }
 

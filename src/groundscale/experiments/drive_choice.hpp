@@ -23,6 +23,7 @@ struct DriveOptions {
   std::string preset = "kitti";                                                ///< Camera and its place on the vehicle.
   std::string camera;       ///< Camera file instead of the preset's camera; "": none.
   std::optional<int> seed;  ///< Of world, vehicle and sensor.
+  bool depth = false;       ///< With depths and road masks.
   int threads = 0;          ///< For rendering, which is the same with any number; 0: one a processor.
 };
 

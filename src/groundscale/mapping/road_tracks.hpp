@@ -28,8 +28,8 @@ void visit_fields(RoadTracksOptions& options, FieldVisitor& visitor);
 /// Deterministic. Memory grows with the points that are not forgotten, 100 bytes a sight.
 class RoadTracks {
  public:
-  RoadTracks(CameraPtr camera, const RoadMatcher& matcher, const RoadTracksOptions& options)
-      : camera_(std::move(camera)), matcher_(matcher), options_(options) {}
+  RoadTracks(CameraPtr camera, const RoadTrackingOptions& tracking, const RoadTracksOptions& options)
+      : camera_(std::move(camera)), matcher_(tracking), options_(options) {}
 
   /// Forgets all points and the view.
   void clear();

@@ -61,9 +61,7 @@ Image region() {
 
 RoadWarp warp(int view, int frame) { return {cam_from_world(frame) * pose(view), kRoad}; }
 
-RoadTracks tracks(const RoadTracksOptions& options = {}) {
-  return {camera(), RoadMatcher({}, FrontEndKind::kKlt), options};
-}
+RoadTracks tracks(const RoadTracksOptions& options = {}) { return {camera(), RoadTrackingOptions{}, options}; }
 
 /// Looks at every frame.
 void drive(RoadTracks& road, int first, int last) {

@@ -90,7 +90,7 @@ PairwiseOdometry::PairwiseOdometry(const CameraSetup& setup, const OdometryOptio
       estimate_plane_(find_ground_method(options.ground.method)->make(options.ground.plane)),
       rng_(static_cast<std::uint64_t>(options.seed)),
       tracker_(options.tracking),
-      road_matcher_(options.road.tracking, options.tracking.front_end),
+      road_matcher_(options.road.tracking),
       mounting_(setup.pitch_rad, setup.roll_rad, setup.yaw_rad, options.ground.settle_after),
       filter_(make_ground_filter(options.ground.filter, *setup.height_m)),
       views_(options.pair, options.motion) {}

@@ -23,7 +23,7 @@ RoadFollower::RoadFollower(const CameraSetup& setup, const OdometryOptions& opti
       tracking_mask_(allowed_of(setup.vehicle_mask)),
       detector_(pairwise.shared_detector()),
       mounting_(pairwise.mounting_estimate()),
-      road_(setup.camera, RoadMatcher(options.road.tracking, options.tracking.front_end), options.keyframe.road) {}
+      road_(setup.camera, options.road.tracking, options.keyframe.road) {}
 
 void RoadFollower::begin(const MountingEstimate& mounting) {
   mounting_ = mounting;

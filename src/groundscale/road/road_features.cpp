@@ -49,7 +49,8 @@ Matches match_on_road(const RoadFeatures& first, const Image& second, const std:
   const Eigen::Vector2d corner = first.corner.cast<double>();
   std::vector<Eigen::Vector2d> starts;
   for (const TrackPoint& point : points) starts.push_back(point.pixel - corner);
-  const auto found = follow_features(first.features, after, match_features(first.features, after, options), starts);
+  const auto found =
+      follow_features(first.features, after, match_features(first.features, after, options), starts, options);
   Matches matches;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!found[i]) continue;

@@ -44,24 +44,21 @@ std::vector<Eigen::Vector2d> RoadMatcher::new_places(RoadView& view, const Image
 
 Matches RoadMatcher::match_roughly(const RoadView& first, const Image& second, const RoadWarp& warp,
                                    const Camera& camera) const {
-  if (by_features_) return match_features_of(first, second, warp, camera);
   std::vector<TrackPoint> some;
   const std::size_t stride = 1 + first.points.size() / static_cast<std::size_t>(options_.rough_points);
   for (std::size_t i = 0; i < first.points.size(); i += stride) some.push_back(first.points[i]);
+  if (by_features_) return match_on_road(first.features, second, some, warp, camera, options_.stereoscan);
   return track_on_road(first.image, second, some, warp, camera, options_.klt);
 }
 
 Matches RoadMatcher::match(const RoadView& first, const Image& second, const RoadWarp& warp, bool fine,
                            const Camera& camera) const {
-  if (by_features_) return match_features_of(first, second, warp, camera);
-  KltOptions klt = options_.klt;
-  if (fine) klt.levels = options_.fine_levels;
-  return track_on_road(first.image, second, first.points, warp, camera, klt);
-}
-
-/// No more than are wanted: evenly spread, those with a history before new ones.
-Matches RoadMatcher::match_features_of(const RoadView& first, const Image& second, const RoadWarp& warp,
-                                       const Camera& camera) const {
+  if (!by_features_) {
+    KltOptions klt = options_.klt;
+    if (fine) klt.levels = options_.fine_levels;
+    return track_on_road(first.image, second, first.points, warp, camera, klt);
+  }
+  // No more than are wanted: evenly spread, those with a history before new ones.
   const Matches all = match_on_road(first.features, second, first.points, warp, camera, options_.stereoscan);
   std::vector<Eigen::Vector2d> pixels;
   for (const Match& match : all) pixels.push_back(match.pixel1);

@@ -5,7 +5,6 @@
 #include "groundscale/core/image.hpp"
 #include "groundscale/road/road_features.hpp"
 #include "groundscale/road/road_tracker.hpp"
-#include "groundscale/tracking/front_end.hpp"
 #include "groundscale/tracking/matches.hpp"
 
 namespace groundscale {
@@ -21,8 +20,8 @@ struct RoadView {
 /// They are followed by image alignment (`track_on_road`) or by features (`match_on_road`).
 class RoadMatcher {
  public:
-  RoadMatcher(const RoadTrackingOptions& options, FrontEndKind front_end)
-      : options_(options), by_features_(front_end == FrontEndKind::kStereoScan) {}
+  explicit RoadMatcher(const RoadTrackingOptions& options)
+      : options_(options), by_features_(options.front_end == FrontEndKind::kStereoScan) {}
 
   /// Leaves out the points beyond the region and detects new ones where it is empty.
   void fill(RoadView& view, const Image& region);
@@ -36,8 +35,6 @@ class RoadMatcher {
 
  private:
   std::vector<Eigen::Vector2d> new_places(RoadView& view, const Image& region) const;
-  Matches match_features_of(const RoadView& first, const Image& second, const RoadWarp& warp,
-                            const Camera& camera) const;
 
   RoadTrackingOptions options_;
   bool by_features_;

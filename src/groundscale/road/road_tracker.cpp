@@ -92,6 +92,8 @@ class RegionCorrelation {
 }  // namespace
 
 void visit_fields(RoadTrackingOptions& options, FieldVisitor& visitor) {
+  visitor.field({.key = "front_end", .unit = "", .help = "how points of the road are found and followed"},
+                options.front_end);
   visitor.field({.key = "max_points", .unit = "", .help = "road points a frame", .min = 30, .max = 20000},
                 options.max_points);
   visitor.field({.key = "rough_points",

@@ -7,13 +7,14 @@
 #include "groundscale/geometry/ground_plane.hpp"
 #include "groundscale/geometry/rigid_transform.hpp"
 #include "groundscale/tracking/detect.hpp"
+#include "groundscale/tracking/front_end.hpp"
 #include "groundscale/tracking/klt.hpp"
 #include "groundscale/tracking/matches.hpp"
-#include "groundscale/tracking/stereoscan.hpp"
 
 namespace groundscale {
 
 struct RoadTrackingOptions {
+  FrontEndKind front_end = FrontEndKind::kStereoScan;
   int max_points = 400;
   int rough_points = 250;  ///< Followed through the predicted warp, to find a better one.
   int fine_levels = 1;     ///< Reductions of the image through the better warp.

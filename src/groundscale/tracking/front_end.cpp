@@ -69,7 +69,7 @@ class StereoScanFrontEnd : public FrontEnd {
   Places advance(const Image& next, const std::vector<Eigen::Vector2d>& points, const Places& /*steps*/) override {
     FeatureSet features(next, options_);
     const std::vector<FeatureMatch> matches = match_features(present_, features, options_);
-    Places found = follow_features(present_, features, matches, points);
+    Places found = follow_features(present_, features, matches, points, options_);
     proven_.assign(features.features().size(), 0);
     for (const FeatureMatch& match : matches) proven_[static_cast<std::size_t>(match.second)] = 1;
     present_ = std::move(features);
@@ -121,7 +121,7 @@ bool wanted_by(const Image& mask, const Eigen::Vector2d& pixel) {
 }
 
 void visit_fields(TrackingOptions& options, FieldVisitor& visitor) {
-  visitor.field({.key = "front_end", .unit = "", .help = "how points are found and followed, those of the road too"},
+  visitor.field({.key = "front_end", .unit = "", .help = "how points of the whole image are found and followed"},
                 options.front_end);
   visitor.field(
       {.key = "max_tracks", .unit = "", .help = "points followed over the whole image", .min = 50, .max = 20000},

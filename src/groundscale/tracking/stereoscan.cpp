@@ -226,7 +226,7 @@ std::vector<FeatureMatch> match_features(const FeatureSet& first, const FeatureS
 std::vector<std::optional<Eigen::Vector2d>> follow_features(const FeatureSet& first, const FeatureSet& second,
                                                             const std::vector<FeatureMatch>& matches,
                                                             const std::vector<Eigen::Vector2d>& points,
-                                                            double reach_px) {
+                                                            const StereoScanOptions& options) {
   std::vector<std::optional<Eigen::Vector2d>> found(points.size());
   if (first.empty() || second.empty()) return found;
   const FeatureLayer& layer1 = first.data().dense;
@@ -234,7 +234,7 @@ std::vector<std::optional<Eigen::Vector2d>> follow_features(const FeatureSet& fi
   std::vector<int> partner_of(layer1.features.size(), kNone);
   for (const FeatureMatch& match : matches) partner_of[static_cast<std::size_t>(match.first)] = match.second;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const int from = nearest_feature(layer1, partner_of, points[i], reach_px);
+    const int from = nearest_feature(layer1, partner_of, points[i], options.reach_px);
     if (from == kNone) continue;
     const Feature& a = layer1.features[static_cast<std::size_t>(from)];
     const Feature& b = layer2.features[static_cast<std::size_t>(partner_of[static_cast<std::size_t>(from)])];

@@ -24,6 +24,7 @@ struct StereoScanOptions {
   int margin_px = 5;                ///< widened by so much.
   double max_flow_change_px = 5.0;  ///< A match is supported by a neighbour whose displacement differs by less.
   int min_support = 2;              ///< Neighbours (Delaunay) that must support it; 0: matches aren't judged so.
+  double reach_px = 3.0;            ///< A point goes as the nearest matched feature does, no farther away than this.
 };
 
 void visit_fields(StereoScanOptions& options, FieldVisitor& visitor);
@@ -71,13 +72,13 @@ struct FeatureMatch {
 std::vector<FeatureMatch> match_features(const FeatureSet& first, const FeatureSet& second,
                                          const StereoScanOptions& options);
 
-/// Where points of the first image lie in the second: each takes the match of the nearest feature, no farther than
-/// `reach_px` away, and is placed to a fraction of a pixel by least squares over the grey levels of 11x11 pixels about
-/// it, which may differ by a constant.
-/// @return A point each; nothing without a feature that is matched, or where least squares lead elsewhere.
+/// Where points of the first image lie in the second: each starts from the displacement of the nearest feature that is
+/// matched, no farther away than `reach_px`, and is placed to a fraction of a pixel by least squares over the grey
+/// levels of 11x11 pixels about it, which may differ by a constant.
+/// @return A point each; nothing without such a feature, or where least squares lead more than 1.5 px away.
 std::vector<std::optional<Eigen::Vector2d>> follow_features(const FeatureSet& first, const FeatureSet& second,
                                                             const std::vector<FeatureMatch>& matches,
                                                             const std::vector<Eigen::Vector2d>& points,
-                                                            double reach_px = 1.5);
+                                                            const StereoScanOptions& options);
 
 }  // namespace groundscale

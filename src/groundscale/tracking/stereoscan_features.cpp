@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdlib>
 
 #include "groundscale/core/check.hpp"
 #include "groundscale/tracking/stereoscan_internal.hpp"
@@ -43,47 +44,74 @@ Descriptor describe(const FilterResponses& responses, const Feature& feature) {
   return descriptor;
 }
 
-/// All features of one density, sorted into bins.
-FeatureLayer layer_of(const FilterResponses& responses, int n, int min_response) {
-  FeatureLayer layer;
-  layer.columns = (responses.width + FeatureLayer::kBinPx - 1) / FeatureLayer::kBinPx;
-  layer.rows = (responses.height + FeatureLayer::kBinPx - 1) / FeatureLayer::kBinPx;
+std::vector<Feature> find_features(const FilterResponses& responses, const StereoScanOptions& options) {
   std::vector<Feature> all;
-  const internal::ExtremumOptions options{.width = responses.width,
-                                          .height = responses.height,
-                                          .n = n,
-                                          .min_response = min_response,
-                                          .border = internal::kFeatureBorder};
+  const internal::ExtremumOptions extremum{.width = responses.width,
+                                           .height = responses.height,
+                                           .n = options.nms_px,
+                                           .min_response = options.min_response,
+                                           .border = internal::kFeatureBorder};
   const auto take = [&all](const std::vector<Feature>& some, FeatureKind kind) {
     for (Feature feature : some) {
       feature.kind = kind;
       all.push_back(feature);
     }
   };
-  const internal::Extrema blobs = find_extrema(responses.blob, options);
+  const internal::Extrema blobs = find_extrema(responses.blob, extremum);
   take(blobs.minima, FeatureKind::kBlobMin);
   take(blobs.maxima, FeatureKind::kBlobMax);
-  const internal::Extrema corners = find_extrema(responses.corner, options);
+  const internal::Extrema corners = find_extrema(responses.corner, extremum);
   take(corners.minima, FeatureKind::kCornerMin);
   take(corners.maxima, FeatureKind::kCornerMax);
+  return all;
+}
 
+/// Features sorted into bins.
+FeatureLayer layer_of(const FilterResponses& responses, const std::vector<Feature>& features) {
+  FeatureLayer layer;
+  layer.columns = (responses.width + FeatureLayer::kBinPx - 1) / FeatureLayer::kBinPx;
+  layer.rows = (responses.height + FeatureLayer::kBinPx - 1) / FeatureLayer::kBinPx;
   const auto bin_of = [&layer](const Feature& feature) {
     return static_cast<std::size_t>((static_cast<int>(feature.kind) * layer.rows + feature.y / FeatureLayer::kBinPx) *
                                         layer.columns +
                                     feature.x / FeatureLayer::kBinPx);
   };
   layer.starts.assign(static_cast<std::size_t>(FeatureLayer::kKinds * layer.rows * layer.columns) + 1, 0);
-  for (const Feature& feature : all) ++layer.starts[bin_of(feature) + 1];
+  for (const Feature& feature : features) ++layer.starts[bin_of(feature) + 1];
   for (std::size_t k = 1; k < layer.starts.size(); ++k) layer.starts[k] += layer.starts[k - 1];
   std::vector<int> next = layer.starts;
-  layer.features.resize(all.size());
-  layer.descriptors.resize(all.size());
-  for (const Feature& feature : all) {
+  layer.features.resize(features.size());
+  layer.descriptors.resize(features.size());
+  for (const Feature& feature : features) {
     const auto place = static_cast<std::size_t>(next[bin_of(feature)]++);
     layer.features[place] = feature;
     layer.descriptors[place] = describe(responses, feature);
   }
   return layer;
+}
+
+/// Those that no stronger feature of their kind lies near, the first of equals.
+std::vector<Feature> strongest_of(const FeatureLayer& layer, int n) {
+  std::vector<Feature> strongest;
+  for (std::size_t i = 0; i < layer.features.size(); ++i) {
+    const Feature& feature = layer.features[i];
+    const int first_column = std::max(0, (feature.x - n) / FeatureLayer::kBinPx);
+    const int last_column = std::min(layer.columns - 1, (feature.x + n) / FeatureLayer::kBinPx);
+    const int first_row = std::max(0, (feature.y - n) / FeatureLayer::kBinPx);
+    const int last_row = std::min(layer.rows - 1, (feature.y + n) / FeatureLayer::kBinPx);
+    bool beaten = false;
+    for (int row = first_row; row <= last_row && !beaten; ++row) {
+      const auto begin = static_cast<std::size_t>(*layer.bin(feature.kind, first_column, row));
+      const auto end = static_cast<std::size_t>(*(layer.bin(feature.kind, last_column, row) + 1));
+      for (std::size_t k = begin; k < end && !beaten; ++k) {
+        const Feature& other = layer.features[k];
+        const bool stronger = other.strength > feature.strength || (other.strength == feature.strength && k < i);
+        beaten = stronger && std::abs(other.x - feature.x) <= n && std::abs(other.y - feature.y) <= n;
+      }
+    }
+    if (!beaten) strongest.push_back(feature);
+  }
+  return strongest;
 }
 
 }  // namespace
@@ -133,8 +161,8 @@ FeatureSet::FeatureSet(const Image& image, const StereoScanOptions& options) : i
   GS_CHECK(image.width() <= kLargest && image.height() <= kLargest, "places of features are 16-bit");
   const FilterResponses responses = internal::filter_image(image);
   auto data = std::make_shared<Data>();
-  data->dense = layer_of(responses, options.nms_px, options.min_response);
-  data->coarse = layer_of(responses, options.coarse_nms_px, options.min_response);
+  data->dense = layer_of(responses, find_features(responses, options));
+  data->coarse = layer_of(responses, strongest_of(data->dense, options.coarse_nms_px));
   data_ = std::move(data);
 }
 

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -20,8 +21,10 @@ Image frame(int k) {
                         [k](int x, int y) { return Eigen::Vector2d(Eigen::Vector2d(x, y) - k * kShift); });
 }
 
-TEST(Tracker, FollowsAShiftToATenthOfAPixelUnderLastingIds) {
-  const TrackingOptions options;
+class Tracking : public testing::TestWithParam<FrontEndKind> {};
+
+TEST_P(Tracking, FollowsAShiftToATenthOfAPixelUnderLastingIds) {
+  const TrackingOptions options{.front_end = GetParam()};
   Tracker tracker(options);
   std::map<TrackId, std::pair<int, Eigen::Vector2d>> starts;
   for (int k = 0; k < 5; ++k) {
@@ -45,8 +48,8 @@ TEST(Tracker, FollowsAShiftToATenthOfAPixelUnderLastingIds) {
   EXPECT_GT(from_first, 20);
 }
 
-TEST(Tracker, AnIdThatIsLostNeverComesAgain) {
-  const TrackingOptions options;
+TEST_P(Tracking, AnIdThatIsLostNeverComesAgain) {
+  const TrackingOptions options{.front_end = GetParam()};
   Tracker tracker(options);
   std::set<TrackId> seen, last;
   bool any_lost = false;
@@ -67,8 +70,8 @@ TEST(Tracker, AnIdThatIsLostNeverComesAgain) {
   EXPECT_TRUE(any_lost);
 }
 
-TEST(Tracker, RevivedPointsAreFollowedUnderTheirOldIds) {
-  const TrackingOptions options;
+TEST_P(Tracking, RevivedPointsAreFollowedUnderTheirOldIds) {
+  const TrackingOptions options{.front_end = GetParam()};
   Tracker tracker(options);
   tracker.advance(frame(0), {});
   const std::vector<TrackPoint> before = tracker.points();
@@ -86,8 +89,8 @@ TEST(Tracker, RevivedPointsAreFollowedUnderTheirOldIds) {
   EXPECT_EQ(match_by_id(before, tracker.points()).size(), before.size());
 }
 
-TEST(Tracker, KeepsNoPointWhereTheMaskForbidsIt) {
-  const TrackingOptions options;
+TEST_P(Tracking, KeepsNoPointWhereTheMaskForbidsIt) {
+  const TrackingOptions options{.front_end = GetParam()};
   Image mask(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth / 2; ++x) mask.data()[y * kWidth + x] = 255;
@@ -100,8 +103,8 @@ TEST(Tracker, KeepsNoPointWhereTheMaskForbidsIt) {
   }
 }
 
-TEST(Tracker, LosesAllTracksInABlackFrameAndStartsAnewAfterIt) {
-  const TrackingOptions options;
+TEST_P(Tracking, LosesAllTracksInABlackFrameAndStartsAnewAfterIt) {
+  const TrackingOptions options{.front_end = GetParam()};
   Tracker tracker(options);
   tracker.advance(frame(0), {});
   const TrackId last_id = tracker.points().back().id;
@@ -114,13 +117,33 @@ TEST(Tracker, LosesAllTracksInABlackFrameAndStartsAnewAfterIt) {
   EXPECT_GT(tracker.points().front().id, last_id);
 }
 
-TEST(Tracker, HasNoMoreTracksThanItMay) {
-  TrackingOptions options;
+TEST_P(Tracking, HasNoMoreTracksThanItMay) {
+  TrackingOptions options{.front_end = GetParam()};
   options.max_tracks = 12;
   Tracker tracker(options);
   tracker.advance(frame(0), {});
   EXPECT_EQ(tracker.points().size(), 12U);
 }
+
+TEST_P(Tracking, ACopyGoesOnByItself) {
+  const TrackingOptions options{.front_end = GetParam()};
+  Tracker tracker(options);
+  tracker.advance(frame(0), {});
+  Tracker copy = tracker;
+  tracker.advance(Image(kWidth, kHeight), {});
+  EXPECT_TRUE(tracker.points().empty());
+  const std::vector<TrackPoint> before = copy.points();
+  copy.advance(frame(1), {});
+  EXPECT_GT(match_by_id(before, copy.points()).size(), 20U);
+  tracker = copy;
+  tracker.advance(frame(2), {});
+  EXPECT_GT(match_by_id(before, tracker.points()).size(), 15U);
+}
+
+INSTANTIATE_TEST_SUITE_P(FrontEnds, Tracking, testing::Values(FrontEndKind::kKlt, FrontEndKind::kStereoScan),
+                         [](const auto& info) {
+                           return std::string(names_of<FrontEndKind>()[static_cast<std::size_t>(info.param)]);
+                         });
 
 }  // namespace
 }  // namespace groundscale
