@@ -6,6 +6,8 @@
 #include <ctime>
 #include <numbers>
 #include <optional>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,6 +25,17 @@ namespace {
 
 using internal::bad_input;
 
+std::vector<std::string_view> cells_of(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = line.find(separator, begin);
+    cells.push_back(line.substr(begin, end == std::string_view::npos ? end : end - begin));
+    if (end == std::string_view::npos) break;
+    begin = end + 1;
+  }
+  return cells;
+}
+
 /// A row of truth.csv.
 struct TrueRoad {
   std::optional<GroundPlane> plane;
@@ -35,18 +48,15 @@ Result<std::vector<TrueRoad>> read_truth(const std::string& path) {
   std::vector<TrueRoad> rows;
   for (const internal::Line& line : internal::split_lines(*text)) {
     if (line.number == 1 || line.text.empty()) continue;
+    const std::vector<std::string_view> cells = cells_of(line.text, ',');
+    const auto number = [&cells](std::size_t column) { return internal::parse_number(cells[column]); };
     constexpr std::size_t kColumns = 7;  // frame, height, plane's height, its normal, speed
-    std::array<std::optional<double>, kColumns> cells;
-    std::size_t begin = 0;
-    for (auto& cell : cells) {
-      const std::size_t end = std::min(line.text.find(',', begin), line.text.size());
-      if (begin < line.text.size()) cell = internal::parse_number(line.text.substr(begin, end - begin));
-      begin = end + 1;
+    if (cells.size() != kColumns || !number(6)) {
+      return bad_input(fmt::format("{}, line {}: seven columns expected", path, line.number));
     }
-    if (!cells[6]) return bad_input(fmt::format("{}, line {}: seven columns expected", path, line.number));
-    TrueRoad row{std::nullopt, *cells[6]};
-    if (cells[2] && cells[3] && cells[4] && cells[5]) {
-      row.plane = GroundPlane{Eigen::Vector3d(*cells[3], *cells[4], *cells[5]).normalized(), *cells[2]};
+    TrueRoad row{std::nullopt, *number(6)};
+    if (number(2) && number(3) && number(4) && number(5)) {
+      row.plane = GroundPlane{Eigen::Vector3d(*number(3), *number(4), *number(5)).normalized(), *number(2)};
     }
     rows.push_back(row);
   }
@@ -66,7 +76,8 @@ struct Drive {
 };
 
 Result<Drive> open_drive(const std::string& folder) {
-  Drive drive{.folder = folder};
+  Drive drive;
+  drive.folder = folder;
   auto poses = read_trajectory(folder + "/poses.txt");
   if (!poses) return poses.error();
   auto roads = read_truth(folder + "/truth.csv");
@@ -223,13 +234,9 @@ Result<std::vector<MatchedPair>> read_pairs(const std::string& path) {
   std::vector<MatchedPair> pairs;
   for (const internal::Line& line : internal::split_lines(*text)) {
     if (line.number == 1 || line.text.empty()) continue;
-    std::array<std::string_view, 5> cells;
-    std::size_t begin = 0;
-    for (auto& cell : cells) {
-      const std::size_t end = std::min(line.text.find(';', begin), line.text.size());
-      if (begin < line.text.size()) cell = line.text.substr(begin, end - begin);
-      begin = end + 1;
-    }
+    const std::vector<std::string_view> cells = cells_of(line.text, ';');
+    constexpr std::size_t kColumns = 5;
+    if (cells.size() != kColumns) return bad_input(fmt::format("{}, line {}: can't be read", path, line.number));
     const auto frame = internal::parse_integer(cells[0]);
     const auto speed = internal::parse_number(cells[1]);
     const auto time_ms = internal::parse_number(cells[3]);

@@ -12,8 +12,8 @@ namespace groundscale {
 /// Road points of one image, under ids of their own.
 struct RoadView {
   Image image;
-  std::vector<TrackPoint> points;  ///< Ids ascending.
-  RoadFeatures features;           ///< Of the filled region, where the front end goes by them.
+  std::vector<TrackPoint> points{};  ///< Ids ascending.
+  RoadFeatures features{};           ///< Of the filled region, where the front end goes by them.
 };
 
 /// Road points with lasting ids: those that came from earlier images stay, and the region is filled up with new ones.

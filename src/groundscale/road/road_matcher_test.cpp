@@ -19,7 +19,7 @@ class RoadMatching : public testing::TestWithParam<FrontEndKind> {
   RoadView first() const { return {.image = views.first}; }
 
   const Views views = render();
-  const Image region = region_mask({Eigen::Vector3d::UnitZ(), 0.0}, kRoad, *camera(), {.far_m = 15.0});
+  const Image region = region_mask({Eigen::Vector3d::UnitZ(), 0.0}, kRoad, *camera(), {});
 };
 
 TEST_P(RoadMatching, ThroughTheRightWarpHasNoBias) {
@@ -101,8 +101,8 @@ TEST_P(RoadMatching, WithoutARegionOrAnythingToSeeThereIsNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(FrontEnds, RoadMatching, testing::Values(FrontEndKind::kKlt, FrontEndKind::kStereoScan),
-                         [](const auto& info) {
-                           return std::string(names_of<FrontEndKind>()[static_cast<std::size_t>(info.param)]);
+                         [](const auto& kind) {
+                           return std::string(names_of<FrontEndKind>()[static_cast<std::size_t>(kind.param)]);
                          });
 
 }  // namespace

@@ -26,7 +26,7 @@ struct TrackingOptions {
   /// Patches stretch as they come near, which large windows take for motion: 16 px doubled the rotation's error.
   KltOptions klt{.window_px = 11};
   DetectOptions detect{.cell_px = 24, .min_gradient = 2.0, .reduction = 2, .border_px = 8};
-  StereoScanOptions stereoscan;
+  StereoScanOptions stereoscan{};
 };
 
 void visit_fields(TrackingOptions& options, FieldVisitor& visitor);

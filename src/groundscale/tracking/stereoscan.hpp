@@ -16,15 +16,15 @@ namespace groundscale {
 /// Feature matching after Geiger, Ziegler, Stiller, "StereoScan: Dense 3d Reconstruction in Real-time" (IV 2011), for
 /// one camera: extrema of a blob and a corner filter, compared by Sobel responses, found forth and back.
 struct StereoScanOptions {
-  int min_response = 40;            ///< Of a feature; the blob filter answers 16 a grey level, the corner filter 8.
-  int nms_px = 3;                   ///< A feature is the strongest of its kind within so many pixels to each side,
+  int min_response = 80;            ///< Of a feature; the blob filter answers 16 a grey level, the corner filter 8.
+  int nms_px = 4;                   ///< A feature is the strongest of its kind within so many pixels to each side,
   int coarse_nms_px = 9;            ///< one of the first pass within so many.
   int search_px = 120;              ///< Largest displacement to each side that the first pass looks for.
   int bin_px = 50;                  ///< Displacements of the first pass bound those of the second in bins of this size,
   int margin_px = 5;                ///< widened by so much.
   double max_flow_change_px = 5.0;  ///< A match is supported by a neighbour whose displacement differs by less.
   int min_support = 2;              ///< Neighbours (Delaunay) that must support it; 0: matches aren't judged so.
-  double reach_px = 3.0;            ///< A point goes as the nearest matched feature does, no farther away than this.
+  double reach_px = 6.0;            ///< A point goes as the nearest matched feature does, no farther away than this.
 };
 
 void visit_fields(StereoScanOptions& options, FieldVisitor& visitor);

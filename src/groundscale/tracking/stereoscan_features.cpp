@@ -154,6 +154,12 @@ void visit_fields(StereoScanOptions& options, FieldVisitor& visitor) {
   visitor.field(
       {.key = "min_support", .unit = "", .help = "neighbours that must support a match; 0: none", .min = 0, .max = 5},
       options.min_support);
+  visitor.field({.key = "reach_px",
+                 .unit = "px",
+                 .help = "a point starts from the displacement of the nearest matched feature within so much",
+                 .min = 0.5,
+                 .max = 100},
+                options.reach_px);
 }
 
 FeatureSet::FeatureSet(const Image& image, const StereoScanOptions& options) : image_(image) {

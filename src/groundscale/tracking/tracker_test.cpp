@@ -141,8 +141,8 @@ TEST_P(Tracking, ACopyGoesOnByItself) {
 }
 
 INSTANTIATE_TEST_SUITE_P(FrontEnds, Tracking, testing::Values(FrontEndKind::kKlt, FrontEndKind::kStereoScan),
-                         [](const auto& info) {
-                           return std::string(names_of<FrontEndKind>()[static_cast<std::size_t>(info.param)]);
+                         [](const auto& kind) {
+                           return std::string(names_of<FrontEndKind>()[static_cast<std::size_t>(kind.param)]);
                          });
 
 }  // namespace
