@@ -40,9 +40,9 @@ struct Stages {
     use_one_thread();
     for (int k = 0; k < kFrames; ++k) images.push_back(drive.render(k * drive.step_m));
     Tracker tracker(options.tracking);
-    tracker.advance(pyramid(0), {});
+    tracker.advance(images[0], {});
     const std::vector<TrackPoint> first = tracker.points();
-    tracker.advance(pyramid(1), {});
+    tracker.advance(images[1], {});
     matches = match_by_id(first, tracker.points());
     Rng rng(0);
     motion = estimate_motion(ray_pairs(matches, *camera), camera->focal_px(), options.motion, rng);
@@ -52,10 +52,6 @@ struct Stages {
     RoadMatcher matcher(options.road.tracking);
     matcher.fill(view, region);
     road_matches = matcher.match(view, images[1], warp, true, *camera);
-  }
-
-  Pyramid pyramid(int k) const {
-    return {images[static_cast<std::size_t>(k)], options.tracking.klt.levels, options.tracking.klt.window_px};
   }
 };
 
@@ -80,7 +76,7 @@ void tracking(benchmark::State& state) {
   Tracker tracker(s.options.tracking);
   int k = 0;
   for (auto _ : state) {
-    tracker.advance(s.pyramid(k), {});
+    tracker.advance(s.images[static_cast<std::size_t>(k)], {});
     k = (k + 1) % kFrames;
   }
 }

@@ -9,6 +9,7 @@
 #include "groundscale/experiments/contamination.hpp"
 #include "groundscale/experiments/drives.hpp"
 #include "groundscale/experiments/experiment.hpp"
+#include "groundscale/experiments/matching.hpp"
 #include "groundscale/experiments/realism.hpp"
 #include "groundscale/experiments/scale_kitti.hpp"
 #include "groundscale/experiments/synthetic.hpp"
@@ -356,10 +357,34 @@ void add_timing(CLI::App& parent, int& exit_status) {
   });
 }
 
+void add_matching(CLI::App& parent, int& exit_status) {
+  struct Arguments {
+    ExperimentRequest request;
+    DriveOptions drives;
+    RunSettings settings;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  DriveOptions& drives = arguments->drives;
+  drives.default_sequences = {"07:300", "10:300"};
+  CLI::App* command = parent.add_subcommand(kMatchingName, kMatchingSummary);
+  add_common(*command, arguments->request);
+  command
+      ->add_option("--kitti", drives.kitti,
+                   "Folder with KITTI odometry's poses/NN.txt and times; built-in routes without it")
+      ->option_text("PATH");
+  add_choice(*command, drives, "default 07:300,10:300, or all routes");
+  command->add_option("--preset", drives.preset, "Camera and its place on the vehicle");
+  add_drive_settings(*command, drives, arguments->settings);
+  command->callback([arguments, &exit_status] {
+    prepare(arguments->request);
+    exit_status = finish(run_matching(arguments->drives, arguments->settings, arguments->request));
+  });
+}
+
 /// Every experiment: a function that adds its subcommand.
-constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives,    add_realism,       add_vo_kitti,
-                                                     add_campus,    add_calibration,   add_scale_kitti,
-                                                     add_synthetic, add_contamination, add_timing};
+constexpr void (*kExperiments[])(CLI::App&, int&) = {add_drives,      add_realism,     add_vo_kitti,  add_campus,
+                                                     add_calibration, add_scale_kitti, add_synthetic, add_contamination,
+                                                     add_timing,      add_matching};
 
 std::string list_of(const CLI::App& command) {
   std::string text;

@@ -189,6 +189,7 @@ std::vector<std::string> simulate_arguments(const DriveChoice& drive, const Driv
   add("--frames", fmt::to_string(drive.frames));
   if (options.seed) add("--seed", fmt::to_string(*options.seed));
   if (options.road_masks) arguments.emplace_back("--road-masks");
+  if (options.depth) arguments.emplace_back("--depth");
   return arguments;
 }
 

@@ -23,7 +23,8 @@ struct DriveOptions {
   std::string preset = "kitti";                                                ///< Camera and its place on the vehicle.
   std::string camera;       ///< Camera file instead of the preset's camera; "": none.
   std::optional<int> seed;  ///< Of world, vehicle and sensor.
-  bool road_masks = false;  ///< Simulated drives have masks of the road besides.
+  bool road_masks = false;  ///< Simulated drives have masks of the road besides,
+  bool depth = false;       ///< and depths.
   int threads = 0;          ///< For rendering, which is the same with any number; 0: one a processor.
 };
 

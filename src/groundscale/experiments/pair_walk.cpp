@@ -125,7 +125,7 @@ bool PairWalk::next() {
     frame_is_kept_ = true;
     if (frame_.image.empty()) continue;
     double start_s = thread_cpu_s();
-    tracker_.advance(Pyramid(frame_.image, odometry.tracking.klt.levels, odometry.tracking.klt.window_px), {});
+    tracker_.advance(frame_.image, {});
     times_.tracking_s = thread_cpu_s() - start_s;
     if (views_.empty()) {
       remember();

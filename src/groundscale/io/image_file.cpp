@@ -128,6 +128,8 @@ Result<Image> read_image(const std::string& path) { return internal::ImageDecode
 
 namespace {
 
+constexpr float kUnitsAMetre = 256.0F;  // of a depth image
+
 Result<std::string> encode(const cv::Mat& pixels, const std::string& ending) {
   std::vector<unsigned char> bytes;
   try {
@@ -146,7 +148,6 @@ Result<std::string> encode_image(const Image& image, const std::string& ending) 
 
 Result<std::string> encode_depth(const std::vector<float>& depths_m, int width, int height) {
   GS_CHECK(depths_m.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height), "a depth a pixel");
-  constexpr float kUnitsAMetre = 256.0F;
   constexpr float kLargest = 65535.0F;
   cv::Mat pixels(height, width, CV_16U);
   auto* pixel = pixels.ptr<std::uint16_t>();
@@ -155,6 +156,28 @@ Result<std::string> encode_depth(const std::vector<float>& depths_m, int width, 
     *pixel++ = units > 0.0F && units <= kLargest ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
   }
   return encode(pixels, ".png");
+}
+
+Result<DepthImage> read_depth(const std::string& path) {
+  const auto bytes = read_text(path);
+  if (!bytes) return bytes.error();
+  cv::Mat pixels;
+  try {
+    const cv::Mat encoded(1, static_cast<int>(bytes->size()), CV_8U, const_cast<char*>(bytes->data()));
+    if (!bytes->empty()) pixels = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    pixels.release();
+  }
+  if (pixels.type() != CV_16UC1 || pixels.empty()) {
+    return internal::bad_input(fmt::format("{}: isn't a depth image (16-bit grey PNG)", path));
+  }
+  DepthImage image{pixels.cols, pixels.rows, {}};
+  image.depths_m.reserve(pixels.total());
+  for (int y = 0; y < pixels.rows; ++y) {
+    const auto* row = pixels.ptr<std::uint16_t>(y);
+    for (int x = 0; x < pixels.cols; ++x) image.depths_m.push_back(static_cast<float>(row[x]) / kUnitsAMetre);
+  }
+  return image;
 }
 
 Result<void> write_image(const std::string& path, const Image& image) {

@@ -20,6 +20,16 @@ Result<std::string> encode_image(const Image& image, const std::string& ending);
 /// @param depths_m  width * height of them, row by row.
 Result<std::string> encode_depth(const std::vector<float>& depths_m, int width, int height);
 
+/// Depths along the optical axis, a pixel each, row by row; 0: none.
+struct DepthImage {
+  int width = 0;
+  int height = 0;
+  std::vector<float> depths_m;
+};
+
+/// Reads what encode_depth makes. @return kBadInput with path and reason.
+Result<DepthImage> read_depth(const std::string& path);
+
 /// Writes an image in the format that the name's ending says (.png, .jpg). @return kIo.
 Result<void> write_image(const std::string& path, const Image& image);
 

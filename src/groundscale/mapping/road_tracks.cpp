@@ -52,6 +52,7 @@ const Matches& RoadTracks::follow(const Image& image, int frame, const RoadWarp&
 void RoadTracks::look(const Image& image, int frame, const Image& region) {
   view_.image = image;
   view_.points.clear();
+  view_.features = {};
   if (matches_frame_ == frame) {
     for (const Match& match : matches_) view_.points.push_back({match.id, match.pixel2});
   }

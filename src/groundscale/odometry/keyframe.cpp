@@ -60,8 +60,7 @@ const FrameResult& KeyframeOdometry::advance(const Frame& frame, const Image& ro
   TrackedFrame present{frame, road_mask, {}, static_cast<int>(results_.size())};
   const Tracker before = tracker_;
   if (!frame.image.empty()) {
-    tracker_.advance(Pyramid(frame.image, options_.tracking.klt.levels, options_.tracking.klt.window_px),
-                     tracking_mask_);
+    tracker_.advance(frame.image, tracking_mask_);
   }
   present.tracked = {tracker_.points(), tracker_.followed()};
   clock_.lap("tracking");

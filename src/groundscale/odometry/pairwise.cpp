@@ -85,8 +85,7 @@ PairwiseOdometry::PairwiseOdometry(const CameraSetup& setup, const OdometryOptio
 const FrameResult& PairwiseOdometry::advance(const Frame& frame, const Image& road_mask) {
   clock_.skip();
   if (!frame.image.empty()) {
-    tracker_.advance(Pyramid(frame.image, options_.tracking.klt.levels, options_.tracking.klt.window_px),
-                     tracking_mask_);
+    tracker_.advance(frame.image, tracking_mask_);
     clock_.lap("tracking");
   }
   return advance(frame, road_mask, {tracker_.points(), tracker_.followed()});

@@ -8,18 +8,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "groundscale/geometry/so3.hpp"
+#include "groundscale/road/crop_internal.hpp"
 #include "groundscale/road/warp_field_internal.hpp"
 #include "groundscale/tracking/opencv_internal.hpp"
 
 namespace groundscale {
 namespace {
-
-Image crop(const Image& image, const cv::Rect& area) {
-  Image part(area.width, area.height);
-  cv::Mat view = view_of(part);
-  view_of(image)(area).copyTo(view);
-  return part;
-}
 
 /// Smallest rectangle about the points with a margin that a window needs.
 cv::Rect area_of(const std::vector<TrackPoint>& points, const Image& image, int margin) {
@@ -98,6 +92,8 @@ class RegionCorrelation {
 }  // namespace
 
 void visit_fields(RoadTrackingOptions& options, FieldVisitor& visitor) {
+  visitor.field({.key = "front_end", .unit = "", .help = "how points of the road are found and followed"},
+                options.front_end);
   visitor.field({.key = "max_points", .unit = "", .help = "road points a frame", .min = 30, .max = 20000},
                 options.max_points);
   visitor.field({.key = "rough_points",
@@ -132,6 +128,7 @@ void visit_fields(RoadTrackingOptions& options, FieldVisitor& visitor) {
                  .min = 0.01,
                  .max = 10},
                 options.klt.max_round_trip_px);
+  visitor.group("stereoscan", options.stereoscan);
 }
 
 void visit_fields(WarpSearchOptions& options, FieldVisitor& visitor) {
@@ -154,7 +151,7 @@ Matches track_on_road(const Image& first, const Image& second, const std::vector
   const Eigen::Matrix3d homography = homography_of_plane(warp.road_in_cam1, warp.cam2_from_cam1);
   const WarpField field(area, camera,
                         [&homography](const Eigen::Vector3d& ray) -> Eigen::Vector3d { return homography * ray; });
-  const Pyramid before(crop(first, area), options.levels, options.window_px);
+  const Pyramid before(internal::crop(first, area), options.levels, options.window_px);
   const Pyramid after(field.warp(second), options.levels, options.window_px);
   const Eigen::Vector2d corner(area.x, area.y);
   std::vector<Eigen::Vector2d> starts;

@@ -7,17 +7,22 @@
 #include "groundscale/geometry/ground_plane.hpp"
 #include "groundscale/geometry/rigid_transform.hpp"
 #include "groundscale/tracking/detect.hpp"
+#include "groundscale/tracking/front_end.hpp"
 #include "groundscale/tracking/klt.hpp"
 #include "groundscale/tracking/matches.hpp"
 
 namespace groundscale {
 
 struct RoadTrackingOptions {
+  FrontEndKind front_end = FrontEndKind::kStereoScan;
   int max_points = 400;
   int rough_points = 250;  ///< Followed through the predicted warp, to find a better one.
   int fine_levels = 1;     ///< Reductions of the image through the better warp.
   DetectOptions detect{.cell_px = 8, .min_gradient = 0.5, .reduction = 1, .border_px = 8};
   KltOptions klt{.window_px = 16, .levels = 2, .max_iterations = 15, .min_step_px = 0.01, .max_round_trip_px = 0.3};
+  /// Through the warp little is left to find, and neighbours move alike.
+  StereoScanOptions stereoscan{
+      .min_response = 20, .nms_px = 3, .coarse_nms_px = 7, .search_px = 16, .max_flow_change_px = 2.0, .reach_px = 3.0};
 };
 
 void visit_fields(RoadTrackingOptions& options, FieldVisitor& visitor);

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -14,19 +15,20 @@ constexpr int kWidth = 200;
 constexpr int kHeight = 140;
 const Eigen::Vector2d kShift(3.3, -1.7);  // px a frame
 
-Pyramid frame(int k, const TrackingOptions& options) {
+Image frame(int k) {
   static const TestTexture texture(4);
-  const Image image = texture.render(kWidth, kHeight,
-                                     [k](int x, int y) { return Eigen::Vector2d(Eigen::Vector2d(x, y) - k * kShift); });
-  return {image, options.klt.levels, options.klt.window_px};
+  return texture.render(kWidth, kHeight,
+                        [k](int x, int y) { return Eigen::Vector2d(Eigen::Vector2d(x, y) - k * kShift); });
 }
 
-TEST(Tracker, FollowsAShiftToATenthOfAPixelUnderLastingIds) {
-  const TrackingOptions options;
+class Tracking : public testing::TestWithParam<FrontEndKind> {};
+
+TEST_P(Tracking, FollowsAShiftToATenthOfAPixelUnderLastingIds) {
+  const TrackingOptions options{.front_end = GetParam()};
   Tracker tracker(options);
   std::map<TrackId, std::pair<int, Eigen::Vector2d>> starts;
   for (int k = 0; k < 5; ++k) {
-    tracker.advance(frame(k, options), {});
+    tracker.advance(frame(k), {});
     for (const TrackPoint& point : tracker.points()) {
       const auto [start, is_new] = starts.try_emplace(point.id, k, point.pixel);
       // A window of 15 px that reaches over the edge sees only a part of itself move: such points drift.
@@ -46,13 +48,13 @@ TEST(Tracker, FollowsAShiftToATenthOfAPixelUnderLastingIds) {
   EXPECT_GT(from_first, 20);
 }
 
-TEST(Tracker, AnIdThatIsLostNeverComesAgain) {
-  const TrackingOptions options;
+TEST_P(Tracking, AnIdThatIsLostNeverComesAgain) {
+  const TrackingOptions options{.front_end = GetParam()};
   Tracker tracker(options);
   std::set<TrackId> seen, last;
   bool any_lost = false;
   for (int k = 0; k < 8; ++k) {
-    tracker.advance(frame(k, options), {});
+    tracker.advance(frame(k), {});
     std::set<TrackId> present;
     TrackId before = -1;
     for (const TrackPoint& point : tracker.points()) {
@@ -68,60 +70,80 @@ TEST(Tracker, AnIdThatIsLostNeverComesAgain) {
   EXPECT_TRUE(any_lost);
 }
 
-TEST(Tracker, RevivedPointsAreFollowedUnderTheirOldIds) {
-  const TrackingOptions options;
+TEST_P(Tracking, RevivedPointsAreFollowedUnderTheirOldIds) {
+  const TrackingOptions options{.front_end = GetParam()};
   Tracker tracker(options);
-  tracker.advance(frame(0, options), {});
+  tracker.advance(frame(0), {});
   const std::vector<TrackPoint> before = tracker.points();
   ASSERT_GT(before.size(), 20U);
-  tracker.advance(Pyramid(Image(kWidth, kHeight), options.klt.levels, options.klt.window_px), {});
+  tracker.advance(Image(kWidth, kHeight), {});
   ASSERT_TRUE(tracker.points().empty());
-  tracker.advance(frame(0, options), {});
+  tracker.advance(frame(0), {});
   ASSERT_GT(tracker.points().front().id, before.back().id);
   const std::size_t others = tracker.points().size();
   tracker.revive(before);
   tracker.revive({{before.front().id, {1.0, 1.0}}});  // still followed: it stays where it is
   EXPECT_EQ(tracker.points().size(), others + before.size());
   EXPECT_EQ(tracker.points().front().pixel, before.front().pixel);
-  tracker.advance(frame(0, options), {});
+  tracker.advance(frame(0), {});
   EXPECT_EQ(match_by_id(before, tracker.points()).size(), before.size());
 }
 
-TEST(Tracker, KeepsNoPointWhereTheMaskForbidsIt) {
-  const TrackingOptions options;
+TEST_P(Tracking, KeepsNoPointWhereTheMaskForbidsIt) {
+  const TrackingOptions options{.front_end = GetParam()};
   Image mask(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth / 2; ++x) mask.data()[y * kWidth + x] = 255;
   }
   Tracker tracker(options);
   for (int k = 0; k < 5; ++k) {
-    tracker.advance(frame(k, options), mask);
+    tracker.advance(frame(k), mask);
     EXPECT_GT(tracker.points().size(), 10U);
     for (const TrackPoint& point : tracker.points()) EXPECT_LT(point.pixel.x(), kWidth / 2);
   }
 }
 
-TEST(Tracker, LosesAllTracksInABlackFrameAndStartsAnewAfterIt) {
-  const TrackingOptions options;
+TEST_P(Tracking, LosesAllTracksInABlackFrameAndStartsAnewAfterIt) {
+  const TrackingOptions options{.front_end = GetParam()};
   Tracker tracker(options);
-  tracker.advance(frame(0, options), {});
+  tracker.advance(frame(0), {});
   const TrackId last_id = tracker.points().back().id;
-  tracker.advance({Image(kWidth, kHeight), options.klt.levels, options.klt.window_px}, {});
+  tracker.advance(Image(kWidth, kHeight), {});
   EXPECT_EQ(tracker.followed(), 0);
   EXPECT_TRUE(tracker.points().empty());
-  tracker.advance(frame(1, options), {});
+  tracker.advance(frame(1), {});
   EXPECT_EQ(tracker.followed(), 0);
   ASSERT_FALSE(tracker.points().empty());
   EXPECT_GT(tracker.points().front().id, last_id);
 }
 
-TEST(Tracker, HasNoMoreTracksThanItMay) {
-  TrackingOptions options;
+TEST_P(Tracking, HasNoMoreTracksThanItMay) {
+  TrackingOptions options{.front_end = GetParam()};
   options.max_tracks = 12;
   Tracker tracker(options);
-  tracker.advance(frame(0, options), {});
+  tracker.advance(frame(0), {});
   EXPECT_EQ(tracker.points().size(), 12U);
 }
+
+TEST_P(Tracking, ACopyGoesOnByItself) {
+  const TrackingOptions options{.front_end = GetParam()};
+  Tracker tracker(options);
+  tracker.advance(frame(0), {});
+  Tracker copy = tracker;
+  tracker.advance(Image(kWidth, kHeight), {});
+  EXPECT_TRUE(tracker.points().empty());
+  const std::vector<TrackPoint> before = copy.points();
+  copy.advance(frame(1), {});
+  EXPECT_GT(match_by_id(before, copy.points()).size(), 20U);
+  tracker = copy;
+  tracker.advance(frame(2), {});
+  EXPECT_GT(match_by_id(before, tracker.points()).size(), 15U);
+}
+
+INSTANTIATE_TEST_SUITE_P(FrontEnds, Tracking, testing::Values(FrontEndKind::kKlt, FrontEndKind::kStereoScan),
+                         [](const auto& kind) {
+                           return std::string(names_of<FrontEndKind>()[static_cast<std::size_t>(kind.param)]);
+                         });
 
 }  // namespace
 }  // namespace groundscale
