@@ -16,6 +16,9 @@
 #include "groundscale/io/files.hpp"
 #include "groundscale/odometry/method_comparison.hpp"
 #include "groundscale/odometry/run_writer.hpp"
+#include "groundscale/report/run_report.hpp"
+#include "groundscale/report/sample_frames.hpp"
+#include "groundscale/report/scale_report.hpp"
 #include "groundscale/road/ground_methods.hpp"
 #include "progress.hpp"
 
@@ -37,15 +40,24 @@ std::string folder_of(const ScaleArguments& arguments, std::string_view method) 
   return (fs::path(arguments.output) / method).string();
 }
 
+/// What a comparison is made of.
+struct Drive {
+  Sequence& sequence;
+  const Camera& camera;
+  const std::optional<RoadMasks>& masks;
+  MethodComparison& comparison;
+};
+
 /// Takes all frames. @return warnings.
-std::vector<std::string> carry_out(Sequence& sequence, const std::optional<RoadMasks>& masks,
-                                   MethodComparison& comparison, bool quiet) {
+std::vector<std::string> carry_out(const Drive& drive, bool quiet, SampleFrames& samples) {
+  auto& [sequence, camera, masks, comparison] = drive;
   std::vector<std::string> warnings;
   Progress progress(!quiet, sequence.frame_count());
   int done = 0;
   while (const std::optional<Frame> frame = sequence.next()) {
     if (frame->image.empty()) warnings.push_back(fmt::format("frame {}: {}", frame->index, frame->problem));
     comparison.advance(*frame, mask_of(*frame, masks, warnings));
+    samples.take(*frame, comparison.front(), camera, std::nullopt);
     progress.show(++done, "");
   }
   comparison.finish();
@@ -53,31 +65,45 @@ std::vector<std::string> carry_out(Sequence& sequence, const std::optional<RoadM
   return warnings;
 }
 
-/// A run's folder for each method, and the table of all.
+/// What somebody has made of a drive, as a run's folder.
+Result<void> write_run(const std::string& folder, const DriveOutcome& outcome, RunSummary summary,
+                       const std::string& config_yaml) {
+  add_figures(outcome, summary);
+  auto writer = RunWriter::create(folder, /*force=*/true);
+  if (!writer) return writer.error();
+  if (const auto done = writer->write_online(outcome); !done) return done;
+  return writer->finish(outcome, summary, config_yaml);
+}
+
+/// The run of the odometry that matched the images, one for each method, and the table of all.
 Result<void> write(const ScaleArguments& arguments, const RunConfig& config, const Sequence& sequence,
-                   const MethodComparison& comparison, const RunSummary& common) {
+                   const MethodComparison& comparison, const RunSummary& summary) {
+  const std::string in_force = config_in_force(config, sequence, summary);
+  if (const auto done = write_run(arguments.output, comparison.front(), summary, in_force); !done) return done;
   for (const ComparedMethod& method : comparison.methods()) {
-    RunSummary summary = common;
-    add_figures(method, summary);
     RunConfig own = config;
     own.odometry.ground.method = method.name();
-    auto writer = RunWriter::create(folder_of(arguments, method.name()), /*force=*/true);
-    if (!writer) return writer.error();
-    if (const auto done = writer->write_online(method); !done) return done;
-    if (const auto done = writer->finish(method, summary, config_in_force(own, sequence, summary)); !done) return done;
+    const auto done = write_run(folder_of(arguments, method.name()), method, summary,
+                                config_in_force(std::move(own), sequence, summary));
+    if (!done) return done;
   }
   return write_text((fs::path(arguments.output) / "methods.csv").string(), methods_csv(comparison.methods()));
 }
 
-/// Numbers in reasons don't tell them apart.
-std::string without_numbers(const std::string& reason) {
-  std::string words;
-  for (const char c : reason) {
-    const bool digit = (c >= '0' && c <= '9') || (c == '.' && words.ends_with('#'));
-    if (!digit) words += c;
-    if (digit && !words.ends_with('#')) words += '#';
+/// Pages about all of it, from what lies in the folders by now.
+Result<void> write_reports(const ScaleArguments& arguments, const MethodComparison& comparison,
+                           const SampleFrames& samples) {
+  const auto failed = [&arguments](const Error& error) {
+    return Error{ErrorCode::kIo, fmt::format("{} is whole but for its report: {}", arguments.output, error.message)};
+  };
+  const std::string folder = (fs::path(arguments.output) / "samples").string();
+  if (const auto done = write_samples(folder, samples.chosen()); !done) return failed(done.error());
+  for (const ComparedMethod& method : comparison.methods()) {
+    const auto done = write_run_report(folder_of(arguments, method.name()));
+    if (!done) return failed(done.error());
   }
-  return words;
+  const auto done = write_scale_report(arguments.output);
+  return done ? done : failed(done.error());
 }
 
 double median_time_ms(const ComparedMethod& method) {
@@ -100,7 +126,7 @@ void print_methods(const MethodComparison& comparison) {
       if (result.accepted()) {
         ++accepted;
       } else {
-        ++refused[without_numbers(result.reason)];
+        ++refused[kind_of_reason(result.reason)];
       }
     }
     fmt::print(
@@ -164,10 +190,14 @@ Result<void> scale(const ScaleArguments& arguments) {
   summary.first_frame = (*sequence)->first_frame();
   summary.has_times = (*sequence)->has_times();
   if (!summary.has_times) summary.warnings.emplace_back("the source has no times: 10 frames a second are assumed");
-  for (std::string& warning : carry_out(**sequence, *masks, *comparison, arguments.quiet)) {
+  if (!arguments.truth.empty()) summary.truth = fs::absolute(arguments.truth).string();
+  SampleFrames samples((*sequence)->frame_count());
+  const Drive drive{**sequence, *setup->camera, *masks, *comparison};
+  for (std::string& warning : carry_out(drive, arguments.quiet, samples)) {
     summary.warnings.push_back(std::move(warning));
   }
   if (const auto done = write(arguments, *config, **sequence, *comparison, summary); !done) return done;
+  if (const auto done = write_reports(arguments, *comparison, samples); !done) return done;
   for (const std::string& warning : summary.warnings) say("warning: " + warning);
   print_methods(*comparison);
   return arguments.truth.empty() ? Result<void>() : print_errors(arguments, *comparison);

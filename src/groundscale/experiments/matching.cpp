@@ -189,7 +189,7 @@ Result<ExperimentOutcome> report(const std::vector<FinishedDrive>& drives, std::
                   kMatchingName, kMatchingSummary, request.command, program_version(), processor_name(), outcome.table);
   text += bullet_list(problems) + figures_section(plots, drawn) + "## Step by step\n\n";
   for (const FinishedDrive& drive : drives) text += fmt::format("    {}\n", drive.drive.command);
-  if (const auto written = write_text(outcome.report, text); !written) return written.error();
+  if (const auto written = write_report(outcome.report, text); !written) return written.error();
   return outcome;
 }
 

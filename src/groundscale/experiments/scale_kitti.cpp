@@ -175,7 +175,7 @@ Result<ExperimentOutcome> report(ScaleKittiResult result, const ExperimentReques
   outcome.table = internal::scale_overview(result);
   outcome.problems = result.problems;
   const std::string text = internal::scale_kitti_report(result, plots, request, drawn);
-  if (const auto done = write_text(outcome.report, text); !done) return done.error();
+  if (const auto done = write_report(outcome.report, text); !done) return done.error();
   return outcome;
 }
 

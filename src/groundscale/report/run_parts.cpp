@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <system_error>
 
 #include <fmt/format.h>
 
 #include "groundscale/report/markup_internal.hpp"
+#include "groundscale/report/page_internal.hpp"
 #include "groundscale/report/run_parts_internal.hpp"
 #include "groundscale/report/sample_frames.hpp"
 
@@ -56,6 +58,36 @@ std::string last_parts(const std::vector<std::string>& parts, std::size_t count)
   return name;
 }
 
+std::string why_shown(const SampleFrame& sample) {
+  if (sample.why == "error") {
+    return fmt::format("among the worst: step {:.1f} % off the truth", 100.0 * std::expm1(sample.value));
+  }
+  if (sample.why == "deviation") {
+    return fmt::format("among the worst: measurement {:.1f} sd off the filtered step", sample.value);
+  }
+  return sample.why == "refused" ? "refused" : "";
+}
+
+std::string sample_caption(const SampleFrame& sample, const RunFolder& run) {
+  std::string text = fmt::format("Frame {}", sample.frame);
+  const std::string why = why_shown(sample);
+  if (!why.empty()) text += ", " + why;
+  const auto row =
+      std::find_if(run.frames.begin(), run.frames.end(), [&](const FrameRow& r) { return r.frame == sample.frame; });
+  if (row == run.frames.end()) return text;
+  text += ": " + row->state;
+  if (row->online_step_m) text += fmt::format(", step {:.3f} m", *row->online_step_m);
+  if (row->raw_step_m) text += fmt::format(", raw {:.3f} m", *row->raw_step_m);
+  if (row->pitch_deg && row->roll_deg) {
+    text += fmt::format(", pitch {:.2f}, roll {:.2f} degrees", *row->pitch_deg, *row->roll_deg);
+  }
+  if (row->road_matches) {
+    text += fmt::format(", {:.0f} of {:.0f} road points fit", row->road_inliers.value_or(0.0), *row->road_matches);
+  }
+  if (!row->reason.empty()) text += "; " + row->reason;
+  return text;
+}
+
 }  // namespace
 
 std::string verdict_html(const RunVerdict& verdict) {
@@ -101,6 +133,24 @@ std::vector<std::string> short_names(const std::vector<RunFolder>& runs) {
     if (std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end()) break;
   }
   return names;
+}
+
+std::string samples_html(const RunFolder& run) {
+  std::string figures;
+  for (const SampleFrame& sample : run.samples) {
+    if (sample.picture.empty()) continue;
+    figures +=
+        fmt::format("<figure>\n<img alt=\"Frame {}\" src=\"{}\"/>\n<figcaption>{}</figcaption>\n</figure>\n",
+                    sample.frame, data_address("image/jpeg", sample.picture), escape_html(sample_caption(sample, run)));
+  }
+  if (figures.empty()) return "";
+  return "<p>Lines go from where a point was to where it went. Circles fit, crosses don't. Points of the whole image "
+         "are "
+         "green (red where they don't fit the motion), those of the road yellow (magenta where they don't fit the "
+         "plane). The region of the road is tinted; the grid is the plane, lines 2 m apart across and 5 m along. "
+         "Each picture is the pair's earlier view.</p>\n"
+         "<div class=\"samples\">\n" +
+         figures + "</div>\n";
 }
 
 }  // namespace groundscale::internal

@@ -22,6 +22,9 @@ struct ReasonCount {
 /// The commonest first; of equals the one that came first.
 std::vector<ReasonCount> reasons_of(const RunFolder& run);
 
+/// The sample frames with what was measured in each; "" where there are none.
+std::string samples_html(const RunFolder& run);
+
 /// "0, image_0" and the like: the last part of a folder's name, made longer where others end alike.
 std::vector<std::string> short_names(const std::vector<RunFolder>& runs);
 

@@ -137,54 +137,6 @@ std::string time_section(const RunSummary& summary) {
          internal::bars_html(bars, "Mean time a frame of each stage");
 }
 
-std::string why_shown(const SampleFrame& sample) {
-  if (sample.why == "error") {
-    return fmt::format("among the worst: step {:.1f} % off the truth", 100.0 * std::expm1(sample.value));
-  }
-  if (sample.why == "deviation") {
-    return fmt::format("among the worst: measurement {:.1f} sd off the filtered step", sample.value);
-  }
-  return sample.why == "refused" ? "refused" : "";
-}
-
-std::string sample_caption(const SampleFrame& sample, const RunFolder& run) {
-  std::string text = fmt::format("Frame {}", sample.frame);
-  const std::string why = why_shown(sample);
-  if (!why.empty()) text += ", " + why;
-  const auto row =
-      std::find_if(run.frames.begin(), run.frames.end(), [&](const FrameRow& r) { return r.frame == sample.frame; });
-  if (row == run.frames.end()) return text;
-  text += ": " + row->state;
-  if (row->online_step_m) text += fmt::format(", step {:.3f} m", *row->online_step_m);
-  if (row->raw_step_m) text += fmt::format(", raw {:.3f} m", *row->raw_step_m);
-  if (row->pitch_deg && row->roll_deg) {
-    text += fmt::format(", pitch {:.2f}, roll {:.2f} degrees", *row->pitch_deg, *row->roll_deg);
-  }
-  if (row->road_matches) {
-    text += fmt::format(", {:.0f} of {:.0f} road points fit", row->road_inliers.value_or(0.0), *row->road_matches);
-  }
-  if (!row->reason.empty()) text += "; " + row->reason;
-  return text;
-}
-
-std::string samples_section(const RunFolder& run) {
-  std::string figures;
-  for (const SampleFrame& sample : run.samples) {
-    if (sample.picture.empty()) continue;
-    figures += fmt::format("<figure>\n<img alt=\"Frame {}\" src=\"{}\"/>\n<figcaption>{}</figcaption>\n</figure>\n",
-                           sample.frame, internal::data_address("image/jpeg", sample.picture),
-                           escape_html(sample_caption(sample, run)));
-  }
-  if (figures.empty()) return "";
-  return paragraph(
-             "Lines go from where a point was to where it went. Circles fit, crosses don't. Points of the whole image "
-             "are "
-             "green (red where they don't fit the motion), those of the road yellow (magenta where they don't fit the "
-             "plane). The region of the road is tinted; the grid is the plane, lines 2 m apart across and 5 m along. "
-             "Each picture is the pair's earlier view.") +
-         "<div class=\"samples\">\n" + figures + "</div>\n";
-}
-
 std::string settings_section(const RunFolder& run) {
   if (run.settings.empty()) {
     return run.config_text.empty() ? "" : details("config.yaml", "<pre>" + escape_html(run.config_text) + "</pre>\n");
@@ -214,16 +166,16 @@ std::string run_report_html(const RunFolder& run) {
   const std::string name = internal::short_names({run}).front();
   const std::vector<internal::NamedRun> self = {{"estimate, final", &run}};
   return internal::page(
-      "Run: " + name, internal::verdict_html(verdict) + section("What was run", facts(run)) +
-                          section("Trajectory from above", internal::trajectory_figure(self)) +
-                          section("Against the truth", truth_section(run)) + section("Scale", scale_section(run)) +
-                          section("Scale of the map", internal::map_figure(run)) +
-                          section("Pitch and roll of the road", internal::angle_figure(run)) +
-                          section("Coverage", coverage_section(run)) +
-                          section("Corrections", corrections_section(run.summary)) +
-                          section("Time", time_section(run.summary)) + section("Sample frames", samples_section(run)) +
-                          section("Warnings", internal::list_html(run.summary.warnings)) +
-                          section("Configuration", settings_section(run)));
+      "Run: " + name,
+      internal::verdict_html(verdict) + section("What was run", facts(run)) +
+          section("Trajectory from above", internal::trajectory_figure(self)) +
+          section("Against the truth", truth_section(run)) + section("Scale", scale_section(run)) +
+          section("Scale of the map", internal::map_figure(run)) +
+          section("Pitch and roll of the road", internal::angle_figure(run)) +
+          section("Coverage", coverage_section(run)) + section("Corrections", corrections_section(run.summary)) +
+          section("Time", time_section(run.summary)) + section("Sample frames", internal::samples_html(run)) +
+          section("Warnings", internal::list_html(run.summary.warnings)) +
+          section("Configuration", settings_section(run)));
 }
 
 Result<void> write_run_report(const std::string& folder) {

@@ -20,6 +20,8 @@
 #include "groundscale/report/chart_internal.hpp"
 #include "groundscale/report/markup_internal.hpp"
 #include "groundscale/report/page_internal.hpp"
+#include "groundscale/report/run_charts_internal.hpp"
+#include "groundscale/report/run_parts_internal.hpp"
 #include "groundscale/report/sample_frames.hpp"
 
 namespace groundscale {
@@ -89,7 +91,7 @@ Result<std::pair<std::string, MethodRow>> parse_row(const internal::Line& line, 
 /// Reference steps by frame.
 using Steps = std::map<int, double>;
 
-Steps reference_of(const MethodComparison& report) {
+Steps reference_of(const MethodsPage& report) {
   Steps steps;
   for (const auto& [frame, step_m] : report.true_steps_m) steps[frame] = step_m;
   if (!steps.empty() || report.methods.empty()) return steps;
@@ -138,7 +140,7 @@ std::vector<double> errors_of(const MethodRows& method, const Steps& reference, 
   return errors;
 }
 
-std::string methods_table(const MethodComparison& report, const Steps& reference) {
+std::string methods_table(const MethodsPage& report, const Steps& reference) {
   TextTable table{.heading = {"method", "frames", "measured", "raw bias %", "raw spread %", "raw 95 % within %",
                               "filtered bias %", "filtered spread %", "ms, median", "ms, 95 % below"},
                   .rows = {}};
@@ -186,7 +188,7 @@ std::string method_chart(const MethodRows& method, const Steps& reference, const
   return internal::chart_html(chart, method.method);
 }
 
-std::string reasons_table(const MethodComparison& report) {
+std::string reasons_table(const MethodsPage& report) {
   TextTable table{.heading = {"frames without an accepted measurement"}, .rows = {}};
   std::vector<std::string> kinds;
   std::vector<std::map<std::string, int>> counts;
@@ -211,7 +213,7 @@ std::string reasons_table(const MethodComparison& report) {
   return internal::table_html(table);
 }
 
-std::string times_figure(const MethodComparison& report) {
+std::string times_figure(const MethodsPage& report) {
   std::vector<internal::Bar> bars;
   for (const MethodRows& method : report.methods) {
     std::vector<double> times;
@@ -226,7 +228,7 @@ std::string times_figure(const MethodComparison& report) {
 }
 
 /// What summary.json says at its top.
-void take_summary(const Json& json, MethodComparison& report) {
+void take_summary(const Json& json, MethodsPage& report) {
   for (const auto& [key, value] : json.items()) {
     if (value.is_string()) report.facts.emplace_back(key, value.get<std::string>());
     if (value.is_number()) report.facts.emplace_back(key, fmt::format("{:.6g}", value.get<double>()));
@@ -238,7 +240,7 @@ void take_summary(const Json& json, MethodComparison& report) {
 }
 
 /// A truth that can't be read is a warning.
-void take_truth(const Json& json, MethodComparison& report) {
+void take_truth(const Json& json, MethodsPage& report) {
   const auto named = json.find("truth");
   if (named == json.end() || !named->is_string() || named->get<std::string>().empty()) return;
   const auto truth = read_trajectory(named->get<std::string>());
@@ -274,7 +276,7 @@ Result<std::vector<MethodRows>> read_methods_table(const std::string& path) {
   return methods;
 }
 
-std::string method_comparison_html(const MethodComparison& report) {
+std::string methods_page_html(const MethodsPage& report) {
   const Steps reference = reference_of(report);
   const std::string first = report.methods.empty() ? "" : report.methods.front().method;
   const std::string against = report.true_steps_m.empty() ? "the filtered step of " + first : "the truth";
@@ -284,17 +286,24 @@ std::string method_comparison_html(const MethodComparison& report) {
       internal::escape_html(fmt::format("Steps over {}; bias is the median, spread the median distance from it. Raw: "
                                         "accepted measurements of single frames.",
                                         against));
-  return internal::page(report.title,
-                        section("Drive", internal::definitions(report.facts)) +
-                            section("Methods", "<p>" + note + "</p>\n" + methods_table(report, reference)) +
-                            section("Step ratios", charts) + section("Refusals", reasons_table(report)) +
-                            section("Time", times_figure(report)) +
-                            section("Warnings", internal::list_html(report.warnings)));
+  std::vector<internal::NamedRun> runs;
+  for (const RunFolder& run : report.runs) runs.push_back({fs::path(run.folder).filename().string(), &run});
+  const std::string paths = runs.empty() ? "" : internal::trajectory_figure(runs);
+  const std::string angles = runs.empty() ? "" : internal::pitch_figure(runs);
+  const std::string sds = runs.empty() ? "" : internal::sd_figure(runs);
+  const std::string samples = report.matcher ? internal::samples_html(*report.matcher) : "";
+  return internal::page(
+      report.title, section("Drive", internal::definitions(report.facts)) +
+                        section("Methods", "<p>" + note + "</p>\n" + methods_table(report, reference)) +
+                        section("Trajectory from above", paths) + section("Step ratios", charts) +
+                        section("Uncertainty", sds) + section("Pitch of the road", angles) +
+                        section("Refusals", reasons_table(report)) + section("Time", times_figure(report)) +
+                        section("Sample frames", samples) + section("Warnings", internal::list_html(report.warnings)));
 }
 
 Result<void> write_scale_report(const std::string& folder) {
   const fs::path path = folder;
-  MethodComparison report;
+  MethodsPage report;
   auto methods = read_methods_table((path / "methods.csv").string());
   if (!methods) return methods.error();
   report.methods = std::move(*methods);
@@ -309,7 +318,11 @@ Result<void> write_scale_report(const std::string& folder) {
     take_summary(json, report);
     take_truth(json, report);
   }
-  return write_text((path / "report.html").string(), method_comparison_html(report));
+  if (auto matcher = read_run_folder(folder)) report.matcher = std::move(*matcher);
+  for (const MethodRows& method : report.methods) {
+    if (auto run = read_run_folder((path / method.method).string())) report.runs.push_back(std::move(*run));
+  }
+  return write_text((path / "report.html").string(), methods_page_html(report));
 }
 
 }  // namespace groundscale

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "groundscale/core/result.hpp"
+#include "groundscale/report/run_folder.hpp"
 
 namespace groundscale {
 
@@ -29,7 +30,7 @@ struct MethodRows {
 Result<std::vector<MethodRows>> read_methods_table(const std::string& path);
 
 /// Several methods on the same frames as one HTML page.
-struct MethodComparison {
+struct MethodsPage {
   std::string title;
   /// Named facts about the drive, as they are to be shown.
   std::vector<std::pair<std::string, std::string>> facts;
@@ -37,11 +38,13 @@ struct MethodComparison {
   std::vector<MethodRows> methods;
   /// Length of the step that ends at a frame: the truth's. Empty: the filtered step of the first method stands in.
   std::vector<std::pair<int, double>> true_steps_m;
+  std::vector<RunFolder> runs;       ///< What each method has made of the drive, as far as it lies there.
+  std::optional<RunFolder> matcher;  ///< The odometry that matched the images, with its sample frames.
 };
-std::string method_comparison_html(const MethodComparison& report);
+std::string methods_page_html(const MethodsPage& report);
 
-/// `report.html` of a folder of `scale`, from its methods.csv and, where it is there, its summary.json: of that
-/// `source`, `truth`, `warnings` and all else at the top that is a number or text.
+/// `report.html` of a folder of `scale`, from its methods.csv, the runs in it and, where it is there, its summary.json:
+/// of that `source`, `truth`, `warnings` and all else at the top that is a number or text.
 /// @return kBadInput as read_methods_table, or for a summary.json that is no JSON; kIo as write_text. A truth that
 /// can't be read is said in the report.
 Result<void> write_scale_report(const std::string& folder);

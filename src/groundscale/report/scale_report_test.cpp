@@ -68,7 +68,7 @@ TEST(MethodsTable, IsRefusedWithItsPlaceWhereItIsWrong) {
   EXPECT_THAT(error_of(""), HasSubstr("methods.csv: empty"));
 }
 
-TEST(MethodComparison, HoldsMethodsAgainstTheFirstWithoutTruth) {
+TEST(MethodsPage, HoldsMethodsAgainstTheFirstWithoutTruth) {
   const TempFolder folder;
   folder.file("methods.csv", methods_csv());
   ASSERT_TRUE(write_scale_report(folder.path()));
@@ -84,7 +84,7 @@ TEST(MethodComparison, HoldsMethodsAgainstTheFirstWithoutTruth) {
   EXPECT_THAT(html, Not(HasSubstr("nan")));
 }
 
-TEST(MethodComparison, HoldsMethodsAgainstTheTruthThatTheSummaryNames) {
+TEST(MethodsPage, HoldsMethodsAgainstTheTruthThatTheSummaryNames) {
   const TempFolder folder;
   folder.file("methods.csv", methods_csv());
   std::string rows;
@@ -106,7 +106,7 @@ TEST(MethodComparison, HoldsMethodsAgainstTheTruthThatTheSummaryNames) {
   EXPECT_THAT(html, HasSubstr("Steps over the filtered step of sparse"));
 }
 
-TEST(MethodComparison, IsNotWrittenFromWhatIsWrong) {
+TEST(MethodsPage, IsNotWrittenFromWhatIsWrong) {
   const TempFolder folder;
   EXPECT_FALSE(write_scale_report(folder.path()));
   folder.file("methods.csv", methods_csv());
