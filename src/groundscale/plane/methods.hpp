@@ -69,9 +69,9 @@ struct PlaneMethod {
 };
 
 /// `make` of a method that is a function of one frame.
-template <Result<PlaneMeasurement> (*estimate)(const RoadObservations&, const PlaneOptions&, Rng&)>
+template <Result<PlaneMeasurement> (*Estimate)(const RoadObservations&, const PlaneOptions&, Rng&)>
 EstimatePlane make_memoryless(const PlaneOptions& options) {
-  return [options](const RoadObservations& observations, Rng& rng) { return estimate(observations, options, rng); };
+  return [options](const RoadObservations& observations, Rng& rng) { return Estimate(observations, options, rng); };
 }
 
 /// The methods that need no pixels; `ground_methods` in road/ has all. Adding one is one row in this table.
