@@ -33,10 +33,10 @@ struct PlaneOptions {
   PlaneRefinement refinement = PlaneRefinement::kLevenbergMarquardt;
   RansacOptions ransac{.min_trials = 20, .max_trials = 200, .confidence = 0.999};
   // Of single methods; what stands above is common to all that have such a thing.
-  TriangulationPlaneOptions triangulation;
-  TriangulationRansacOptions triangulation_ransac;
-  DecompositionOptions decomposition;
-  DelaunayOptions delaunay;
+  TriangulationPlaneOptions triangulation{};
+  TriangulationRansacOptions triangulation_ransac{};
+  DecompositionOptions decomposition{};
+  DelaunayOptions delaunay{};
   DenseOptions dense{};
   FixedPlaneOptions fixed_plane{};
   FusedOptions fused{};
