@@ -78,7 +78,7 @@ TEST(MatchingExperiment, ComparesBothFrontEndsWithTheTruthAndDoesNothingTwice) {
   }
   const std::string report = *read_text(output + "/matching.md");
   EXPECT_THAT(report, HasSubstr("groundscale experiment matching --output "));
-  EXPECT_THAT(report, HasSubstr("--depth --road-masks"));
+  EXPECT_THAT(report, HasSubstr("--road-masks --depth"));
   EXPECT_THAT(report, HasSubstr("## Figures"));
   EXPECT_TRUE(std::filesystem::exists(output + "/figures/errors.csv"));
 

@@ -47,7 +47,7 @@ TEST(Scale, TakesOnlyTheMethodsThatAreNamed) {
   ASSERT_EQ(run.status, 0) << run.err;
   int folders = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder / "output")) folders += entry.is_directory();
-  EXPECT_EQ(folders, 1);
+  EXPECT_EQ(folders, 2);  // its run, and sample frames
   EXPECT_EQ(run.out.find("step / true"), std::string::npos);
 }
 
