@@ -44,16 +44,18 @@ double quantile(std::vector<double> values, double share) {
 }
 
 Table empty_table() {
-  return Table({{.name = "pairs_of", .title = "", .text = true},
-                {.name = "front_end", .title = "front end", .text = true},
-                {.name = "pairs", .title = "pairs", .decimals = 0},
-                {.name = "matches", .title = "matches a pair", .decimals = 0},
-                {.name = "within_half_px", .title = "within 0.5 px %", .decimals = 1},
-                {.name = "within_1_px", .title = "1 px %", .decimals = 1},
-                {.name = "within_2_px", .title = "2 px %", .decimals = 1},
-                {.name = "median_px", .title = "median error px", .decimals = 3},
-                {.name = "p95_px", .title = "95 % below px", .decimals = 2},
-                {.name = "time_ms", .title = "ms a pair (median)", .decimals = 1}});
+  std::vector<Column> columns = {{.name = "pairs_of", .title = "", .text = true},
+                                 {.name = "front_end", .title = "front end", .text = true},
+                                 {.name = "pairs", .title = "pairs", .decimals = 0},
+                                 {.name = "matches", .title = "matches a pair", .decimals = 0},
+                                 {.name = "within_half_px", .title = "within 0.5 px %", .decimals = 1},
+                                 {.name = "within_1_px", .title = "1 px %", .decimals = 1},
+                                 {.name = "within_2_px", .title = "2 px %", .decimals = 1},
+                                 {.name = "median_px", .title = "median error px", .decimals = 3},
+                                 {.name = "p95_px", .title = "95 % below px", .decimals = 2},
+                                 {.name = "time_ms", .title = "ms a pair (median)", .decimals = 1}};
+  for (Column& column : columns) column.averaged = false;
+  return Table(std::move(columns));
 }
 
 void add_rows(const Group& group, Table& table) {

@@ -162,5 +162,32 @@ TEST(ImageDecoder, GarbageIsAnErrorWithAReason) {
   EXPECT_THAT(image.error().message, HasSubstr("can't be decoded"));
 }
 
+TEST(ReadDepth, ReadsBackWhatIsWrittenToHalfAUnit) {
+  const TempFolder folder;
+  const std::vector<float> depths_m = {0.0F, 1.0F, 6.123F, 255.9F, 300.0F, 4.0F};
+  ASSERT_TRUE(write_text(folder / "depth.png", *encode_depth(depths_m, 3, 2)));
+  const auto read = read_depth(folder / "depth.png");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->width, 3);
+  EXPECT_EQ(read->height, 2);
+  ASSERT_EQ(read->depths_m.size(), depths_m.size());
+  for (std::size_t k = 0; k < depths_m.size(); ++k) {
+    const bool none = depths_m[k] > 255.99F;
+    EXPECT_NEAR(read->depths_m[k], none ? 0.0F : depths_m[k], 1.0 / 512.0) << k;
+  }
+}
+
+TEST(ReadDepth, RefusesWhatIsNoDepthImage) {
+  const TempFolder folder;
+  ASSERT_TRUE(write_image(folder / "grey.png", Image(4, 3)));
+  ASSERT_TRUE(write_text(folder / "empty.png", ""));
+  ASSERT_TRUE(write_text(folder / "words.png", "no image"));
+  for (const char* name : {"grey.png", "empty.png", "words.png", "missing.png"}) {
+    const auto read = read_depth(folder / name);
+    ASSERT_FALSE(read) << name;
+    EXPECT_THAT(read.error().message, testing::HasSubstr(name));
+  }
+}
+
 }  // namespace
 }  // namespace groundscale
