@@ -122,7 +122,7 @@ Result<std::vector<ScaleRow>> read_pass(const Pass& pass, const std::string& fol
   const auto times = median_times(*csv);
   std::vector<ScaleRow> rows;
   for (const std::string& method : pass.methods) {
-    const auto paired = pair_drive({.estimate = folder + "/" + method, .truth = drive.truth()});
+    const auto paired = pair_drive({.estimate = fmt::format("{}/{}", folder, method), .truth = drive.truth()});
     if (!paired) return Error{ErrorCode::kIo, paired.error().message};
     const auto evaluation = evaluate(*paired, kitti_lengths_m());
     if (!evaluation) return Error{ErrorCode::kIo, evaluation.error().message};
