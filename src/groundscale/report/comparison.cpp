@@ -160,7 +160,7 @@ std::string truth_table(const std::vector<RunFolder>& runs, const std::vector<st
 }
 
 std::string settings_table(const std::vector<RunFolder>& runs, const std::vector<std::string>& names) {
-  TextTable table{.heading = heading(names), .rows = {}};
+  TextTable table{.heading = heading(names), .rows = {}, .cells = internal::Cells::kWords};
   table.heading.front() = "key";
   for (const RunFolder::Setting& first : runs.front().settings) {
     Row cells = {first.name};

@@ -31,6 +31,9 @@ thead th { border-top: none; }
 th:first-child, td.reason { text-align: left; white-space: normal; }
 tbody th, td.reason { overflow-wrap: anywhere; }
 table.text th, table.text td, th.text, td.text { text-align: left; white-space: normal; overflow-wrap: anywhere; }
+.wide thead th { white-space: normal; vertical-align: bottom; }
+.wide tbody th, .wide th.text, .wide td.text { overflow-wrap: break-word; min-width: 4.5rem; }
+table.text td { min-width: 4.5rem; }
 table.figures th, table.figures td { text-align: left; white-space: nowrap; }
 table.figures td:last-child { white-space: normal; min-width: 9rem; }
 td.reason { border-top: none; padding-top: 0; color: #7a3b05; }
@@ -50,7 +53,7 @@ svg.key { height: 0.9em; width: auto; vertical-align: -0.08em; margin-right: 0.3
 .tick { stroke: #333333; }
 .grid { stroke: #e4e4e4; }
 .zero { stroke: #333333; stroke-dasharray: 2 4; }
-.event { stroke: #555555; stroke-dasharray: 1 3; }
+.event { stroke: #1c1c1c; stroke-width: 1.3; stroke-dasharray: 6 4; }
 .band { fill: #9dbfe3; fill-opacity: 0.55; stroke: none; }
 .bar { fill: #6f97c4; stroke: #1c3d63; stroke-width: 0.8; }
 .curve { fill: none; stroke-width: 2; stroke-linejoin: round; }
@@ -92,6 +95,8 @@ img { display: block; max-width: 100%; height: auto; }
   body { max-width: none; padding: 0; font-size: 10.5pt; print-color-adjust: exact;
     -webkit-print-color-adjust: exact; }
   .wide { overflow: visible; }
+  .wide table { font-size: 0.8rem; }
+  .wide th, .wide td { padding: 0.2rem 0.25rem; }
   img { max-height: 150mm; }
   .samples { grid-template-columns: 1fr 1fr; }
   figure, p, li, tr, dt, dd { break-inside: avoid; }
