@@ -66,7 +66,7 @@ Result<RoadMeasurement> ComparedMethod::measure(const PairwiseOdometry& front, d
                                                 FrameResult& result) {
   const RoadSights& sights = *front.latest_road();
   RoadObservations observations = sights.observations;
-  if (chain_.scaled()) {
+  if (chain_.scaled() && !chain_.needs_search()) {
     const RoadWarp warp = chain_.expected_warp(front.latest_pair().motion.cam2_from_cam1, expected_distance_m);
     observations.predicted_plane = {warp.road_in_cam1.normal_in_cam, warp.road_in_cam1.height / expected_distance_m};
   }

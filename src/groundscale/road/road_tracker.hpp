@@ -14,7 +14,7 @@
 namespace groundscale {
 
 struct RoadTrackingOptions {
-  FrontEndKind front_end = FrontEndKind::kStereoScan;
+  FrontEndKind front_end = FrontEndKind::kKlt;
   int max_points = 400;
   int rough_points = 250;  ///< Followed through the predicted warp, to find a better one.
   int fine_levels = 1;     ///< Reductions of the image through the better warp.

@@ -140,6 +140,24 @@ TEST_P(AnyFilter, TakesTheLeadOffAPairsDistance) {
   EXPECT_NEAR(filter_->state().speed_mps, 8.0, 0.008);
 }
 
+TEST_P(AnyFilter, AShortStepAtTheEndOfALongPairDoesNotOvershoot) {
+  filter_->start(observed(8.0));
+  filter_->stand(0.1);
+  // 3 cm by what was expected, at the end of 30 cm that turn out to be 34.
+  GroundObservation pair = observed(0.3);
+  pair.lead_m = 0.3;
+  pair.log_distance = std::log(0.34);
+  pair.covariance.diagonal() << 1e-6, 1e-6, 1e-6;
+  filter_->update(pair);
+  EXPECT_GT(filter_->state().speed_mps, 0.1);
+  EXPECT_LT(filter_->state().speed_mps, 0.6);
+  // One of 0.1 mm.
+  filter_->update_speed(1e-3, 1e-3);
+  filter_->reopen();
+  filter_->update(pair);
+  EXPECT_LT(filter_->state().speed_mps, 0.6);
+}
+
 TEST_P(AnyFilter, TakesASpeedFromElsewhere) {
   filter_->update_speed(8.0, 0.05);
   EXPECT_FALSE(filter_->started());

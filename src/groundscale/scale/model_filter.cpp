@@ -73,20 +73,30 @@ class ModelFilter final : public GroundFilter {
     state_ = predicted_;
   }
 
+  /// Iterated (Bell, Cathey 1993): log(lead + step) is far from linear in log speed where the step is the smaller part,
+  /// as when a vehicle sets off, and one linearisation there can end at any multiple of the measured distance.
   void update(const GroundObservation& observation) override {
-    const double step = std::exp(state_.mean(kLogSpeed)) * observation.step_time_s;
-    const double distance = observation.lead_m + step;
-    Eigen::Matrix<double, 3, 5> by_state = Eigen::Matrix<double, 3, 5>::Zero();
-    by_state(0, kMeanPitch) = by_state(0, kPitch) = 1.0;
-    by_state(1, kMeanRoll) = by_state(1, kRoll) = 1.0;
-    by_state(2, kLogSpeed) = step / distance;
-    const Eigen::Vector3d expected(state_.mean(kMeanPitch) + state_.mean(kPitch),
-                                   state_.mean(kMeanRoll) + state_.mean(kRoll), std::log(distance));
+    const State prior = state_;
     const Eigen::Vector3d measured(observation.pitch_rad, observation.roll_rad, observation.log_distance);
     const double angle_variance = std::pow(options_.angle_model_deg * kDegree, 2);
     Eigen::Matrix3d noise = options_.formal_variance_factor * observation.covariance;
     noise.diagonal() += Eigen::Vector3d(angle_variance, angle_variance, options_.step_model * options_.step_model);
-    state_ = groundscale::update<5, 3>(state_, by_state, measured - expected, noise);
+    constexpr int kMaxIterations = 20;
+    constexpr double kConverged = 1e-9;
+    for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+      const Eigen::Matrix<double, 5, 1> at = state_.mean;
+      const double step = std::exp(at(kLogSpeed)) * observation.step_time_s;
+      const double distance = observation.lead_m + step;
+      Eigen::Matrix<double, 3, 5> by_state = Eigen::Matrix<double, 3, 5>::Zero();
+      by_state(0, kMeanPitch) = by_state(0, kPitch) = 1.0;
+      by_state(1, kMeanRoll) = by_state(1, kRoll) = 1.0;
+      by_state(2, kLogSpeed) = step / distance;
+      const Eigen::Vector3d expected(at(kMeanPitch) + at(kPitch), at(kMeanRoll) + at(kRoll), std::log(distance));
+      // Of the prior, by the linearisation here.
+      const Eigen::Vector3d residual = measured - expected - by_state * (prior.mean - at);
+      state_ = groundscale::update<5, 3>(prior, by_state, residual, noise);
+      if ((state_.mean - at).cwiseAbs().maxCoeff() < kConverged) break;
+    }
   }
 
   void update_speed(double speed_mps, double log_sd) override {
