@@ -66,7 +66,7 @@ PhotometricLevel::PhotometricLevel(const RoadObservations& observations, const P
   const Eigen::Matrix3d homography = start.homography();
   cv::Point low(region.width(), region.height());
   cv::Point high(-1, -1);
-  std::map<int, int> block_of;
+  std::map<int, int> square_of;
   for (int y = (bounds.y + stride - 1) / stride * stride; y < bounds.y + bounds.height; y += stride) {
     for (int x = (bounds.x + stride - 1) / stride * stride; x < bounds.x + bounds.width; x += stride) {
       if (region.at(x, y) == 0) continue;
@@ -79,12 +79,12 @@ PhotometricLevel::PhotometricLevel(const RoadObservations& observations, const P
       const cv::Point corner(static_cast<int>(pixel2->x()), static_cast<int>(pixel2->y()));
       low = {std::min(low.x, corner.x), std::min(low.y, corner.y)};
       high = {std::max(high.x, corner.x), std::max(high.y, corner.y)};
-      const int cell = y / options.block_px * region.width() + x / options.block_px;
-      const int block = block_of.try_emplace(cell, static_cast<int>(block_of.size())).first->second;
-      pixels_.push_back({*ray, first.at<float>((y - area1.y) / unit, (x - area1.x) / unit), weight, block});
+      const int cell = y / options.square_px * region.width() + x / options.square_px;
+      const int square = square_of.try_emplace(cell, static_cast<int>(square_of.size())).first->second;
+      pixels_.push_back({*ray, first.at<float>((y - area1.y) / unit, (x - area1.x) / unit), weight, square});
     }
   }
-  blocks_ = static_cast<int>(block_of.size());
+  squares_ = static_cast<int>(square_of.size());
   if (pixels_.empty()) return;
   const cv::Rect reached(low.x - kMarginPx, low.y - kMarginPx, high.x - low.x + 2 * kMarginPx,
                          high.y - low.y + 2 * kMarginPx);
@@ -203,6 +203,7 @@ PhotometricSums PhotometricLevel::sums(const PhotometricState& state, double sd,
   const CauchyLoss loss{loss_bound};
   const double per_variance = 1.0 / (sd * sd);
   PhotometricSums sums;
+  std::vector<double> of_squares(static_cast<std::size_t>(squares_), 0.0);
   Eigen::Matrix<double, 5, 5> plane_information = Eigen::Matrix<double, 5, 5>::Zero();
   Eigen::Matrix<double, 5, 1> plane_gradient = Eigen::Matrix<double, 5, 1>::Zero();
   for (const RoadPixel& pixel : pixels_) {
@@ -214,7 +215,7 @@ PhotometricSums PhotometricLevel::sums(const PhotometricState& state, double sd,
     sums.cost += pixel.weight * loss.rho(relative);
     sums.weight += pixel.weight;
     const double slope = state.gain * found->along_flow;
-    sums.per_px2 += weight * slope * slope;
+    of_squares[static_cast<std::size_t>(pixel.square)] += weight * slope * slope;
     if (with_motion) {
       sums.information.noalias() += weight * found->by_state * found->by_state.transpose();
       sums.gradient.noalias() -= weight * found->difference * found->by_state;
@@ -229,6 +230,12 @@ PhotometricSums PhotometricLevel::sums(const PhotometricState& state, double sd,
     sums.gradient.tail<5>() = plane_gradient;
   }
   if (sums.weight > 0.0) sums.cost /= sums.weight;
+  double squared = 0.0;
+  for (const double per_px2 : of_squares) {
+    sums.per_px2 += per_px2;
+    squared += per_px2 * per_px2;
+  }
+  if (squared > 0.0) sums.effective_squares = sums.per_px2 * sums.per_px2 / squared;
   return sums;
 }
 

@@ -32,7 +32,7 @@ struct RoadPixel {
   Eigen::Vector3d ray;
   double grey = 0.0;
   double weight = 1.0;
-  int block = 0;  ///< Of pixels whose errors may be correlated.
+  int square = 0;  ///< Of pixels whose errors may be correlated.
 };
 
 /// What one pixel says: difference = grey1 - gain grey2 - offset, and its derivative.
@@ -50,6 +50,8 @@ struct PhotometricSums {
   double cost = 0.0;                                          ///< sum w rho(difference / s) over sum w.
   double weight = 0.0;                                        ///< sum w.
   double per_px2 = 0.0;  ///< What all pixels say of a common shift along the flow, 1/px^2.
+  /// How many squares that say the same would say as much: (sum of what they say)^2 / sum of its square (Kish 1965).
+  double effective_squares = 0.0;
   int pixels = 0;
 };
 
@@ -61,7 +63,7 @@ class PhotometricLevel {
                    int level);
 
   const std::vector<RoadPixel>& pixels() const { return pixels_; }
-  int blocks() const { return blocks_; }
+  int squares() const { return squares_; }
 
   /// Nothing where the second image doesn't show the pixel.
   std::optional<PixelError> error(const RoadPixel& pixel, const PhotometricState& state) const;
@@ -87,7 +89,7 @@ class PhotometricLevel {
   cv::Rect area2_;
   cv::Mat second_;  ///< Of area2_: grey level and its derivatives by full pixels, four floats each.
   std::vector<RoadPixel> pixels_;
-  int blocks_ = 0;
+  int squares_ = 0;
 };
 
 }  // namespace groundscale

@@ -41,9 +41,7 @@ class LevelSolver {
     aligned.sd = level_.robust_sd(aligned.state);
     Step now{aligned.state, sums_of(aligned.state, aligned.sd)};
     weight_ = now.sums.weight;
-    aligned.worth = now.sums.per_px2 > 0.0
-                        ? options_.dense.worth_points / (options_.point_sd_px * options_.point_sd_px * now.sums.per_px2)
-                        : 1.0;
+    aligned.worth = worth_of(now.sums);
     now.cost = cost_of(now, aligned.worth);
     double gain = 0.0;
     double damping = 1e-4;
@@ -61,6 +59,12 @@ class LevelSolver {
   }
 
  private:
+  /// Each square of pixels as so many road points, that say of a shift along the flow what a point does.
+  double worth_of(const PhotometricSums& sums) const {
+    const double points_per_px2 =
+        options_.dense.square_worth * sums.effective_squares / (options_.point_sd_px * options_.point_sd_px);
+    return sums.per_px2 > 0.0 ? points_per_px2 / sums.per_px2 : 1.0;
+  }
   PhotometricSums sums_of(const PhotometricState& state, double sd) const {
     return level_.sums(state, sd, options_.dense.loss_bound, free_ != FreeParameters::kPlane);
   }
@@ -278,21 +282,24 @@ Eigen::MatrixXd alignment_covariance(const Aligned& aligned, FreeParameters free
   const PhotometricLevel& level = *aligned.level;
   const CauchyLoss loss{options.dense.loss_bound};
   const Eigen::MatrixXd basis = basis_of(free, aligned.state);
-  Eigen::MatrixXd of_blocks = Eigen::MatrixXd::Zero(kPhotometricSize, level.blocks());
+  Eigen::MatrixXd of_squares = Eigen::MatrixXd::Zero(kPhotometricSize, level.squares());
   const double per_variance = aligned.worth / (aligned.sd * aligned.sd);
   for (const RoadPixel& pixel : level.pixels()) {
     const auto error = level.error(pixel, aligned.state);
     if (!error) continue;
     const double weight = pixel.weight * loss.weight(error->difference / aligned.sd) * per_variance;
-    of_blocks.col(pixel.block) += weight * error->difference * error->by_state;
+    of_squares.col(pixel.square) += weight * error->difference * error->by_state;
   }
   PhotometricMatrix information = aligned.worth * aligned.sums.information;
-  PhotometricMatrix spread = of_blocks * of_blocks.transpose();
-  const auto blocks = static_cast<double>(level.blocks());
-  spread *= blocks / std::max(1.0, blocks - static_cast<double>(basis.cols()));
+  PhotometricMatrix spread = of_squares * of_squares.transpose();
+  const auto squares = static_cast<double>(level.squares());
+  spread *= squares / std::max(1.0, squares - static_cast<double>(basis.cols()));
+  // The pixels' noise may be less than that of so many road points: in the same unit, so is what the prior stands for.
+  const Eigen::Matrix3d of_pixels = information.block<3, 3>(6, 6);
+  const double noise = of_pixels.ldlt().solve(Eigen::Matrix3d(spread.block<3, 3>(6, 6))).trace() / 3.0;
   const Eigen::Matrix3d of_prior = prior.hessian(aligned.state.m);
   information.block<3, 3>(6, 6) += of_prior;
-  spread.block<3, 3>(6, 6) += of_prior;
+  spread.block<3, 3>(6, 6) += noise * of_prior;
   const Eigen::MatrixXd reduced = basis.transpose() * information * basis;
   const Eigen::MatrixXd inverse = reduced.ldlt().solve(Eigen::MatrixXd::Identity(reduced.rows(), reduced.cols()));
   return inverse * (basis.transpose() * spread * basis) * inverse;

@@ -59,8 +59,8 @@ Result<Aligned> align_road(const RoadObservations& observations, const Photometr
                            const NormalPrior& prior, const PlaneOptions& options);
 
 /// Covariance of the free parameters. Pixels next to each other err alike (texture larger than a pixel, road that isn't
-/// flat), so whole squares of DenseOptions::block_px are taken as one error each: A^-1 B A^-1 with B = sum over squares
-/// of g g^T, g the square's part of the gradient (sandwich for clusters, Liang and Zeger 1986).
+/// flat), so whole squares of DenseOptions::square_px are taken as one error each: A^-1 B A^-1 with B = sum over
+/// squares of g g^T, g the square's part of the gradient (sandwich for clusters, Liang and Zeger 1986).
 Eigen::MatrixXd alignment_covariance(const Aligned& aligned, FreeParameters free, const NormalPrior& prior,
                                      const PlaneOptions& options);
 
