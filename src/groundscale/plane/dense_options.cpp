@@ -67,7 +67,7 @@ void visit_fields(FusedOptions& options, FieldVisitor& visitor) {
   visitor.field({.key = "variance_factors",
                  .unit = "",
                  .help = "one for each: from its formal variance to that of its own error, which the others don't "
-                         "share; 1 where none is given",
+                         "share; 5 where none is given",
                  .min = 0,
                  .max = 100000},
                 options.variance_factors);

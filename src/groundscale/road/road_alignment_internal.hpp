@@ -36,7 +36,6 @@ struct Aligned {
   PhotometricState state;
   PhotometricSums sums;  ///< At full size, with what concerns the motion.
   double sd = 1.0;       ///< Robust, of the differences, in grey levels.
-  double worth = 1.0;    ///< Factor of the pixels' cost beside the prior.
   double correlation = 0.0;
   std::optional<PhotometricLevel> level{};  ///< The full size.
 };
@@ -53,8 +52,8 @@ Result<PhotometricState> alignment_start(const RoadObservations& observations, c
 PhotometricState search_nearby(const RoadObservations& observations, const PhotometricState& start,
                                const PlaneOptions& options);
 
-/// Minimum of worth sum w rho(difference / sd) + prior, coarse to fine, by Gauss-Newton steps damped as Levenberg and
-/// Marquardt have it.
+/// Minimum of sum f w rho(difference / sd) + prior, f = PhotometricLevel::factor, coarse to fine, by Gauss-Newton steps
+/// damped as Levenberg and Marquardt have it.
 Result<Aligned> align_road(const RoadObservations& observations, const PhotometricState& start, FreeParameters free,
                            const NormalPrior& prior, const PlaneOptions& options);
 
