@@ -29,12 +29,12 @@ void visit_fields(DenseOptions& options, FieldVisitor& visitor) {
                  .min = 0.1,
                  .max = 1000},
                 options.loss_bound);
-  visitor.field({.key = "worth_points",
+  visitor.field({.key = "square_worth",
                  .unit = "",
-                 .help = "all pixels together count as so many road points against the prior of the normal",
-                 .min = 1,
-                 .max = 1000000},
-                options.worth_points);
+                 .help = "a square with texture counts as so many road points against the prior of the normal",
+                 .min = 0.0001,
+                 .max = 10000},
+                options.square_worth);
   visitor.field(
       {.key = "min_correlation", .unit = "", .help = "least correlation of the aligned region", .min = -1, .max = 1},
       options.min_correlation);
@@ -67,7 +67,7 @@ void visit_fields(FusedOptions& options, FieldVisitor& visitor) {
   visitor.field({.key = "variance_factors",
                  .unit = "",
                  .help = "one for each: from its formal variance to that of its own error, which the others don't "
-                         "share; 1 where none is given",
+                         "share; 5 where none is given",
                  .min = 0,
                  .max = 100000},
                 options.variance_factors);

@@ -18,7 +18,7 @@ namespace {
 Eigen::Matrix3d covariance_by_motion(const RoadObservations& observations, const Aligned& aligned,
                                      const NormalPrior& prior) {
   const Eigen::MatrixXd basis = basis_of(FreeParameters::kPlane, aligned.state);
-  PhotometricMatrix information = aligned.worth * aligned.sums.information;
+  PhotometricMatrix information = aligned.sums.information;
   information.block<3, 3>(6, 6) += prior.hessian(aligned.state.m);
   const Eigen::Matrix<double, kPhotometricSize, 5> by_motion =
       information * basis_of(FreeParameters::kPlaneAndMotion, aligned.state).leftCols<5>();
@@ -86,6 +86,7 @@ Aligned aligned_at(PhotometricLevel level, const PhotometricState& state, const 
   Aligned aligned;
   aligned.state = state;
   aligned.sd = level.robust_sd(state);
+  level.weigh_squares(state, aligned.sd, options);
   aligned.sums = level.sums(state, aligned.sd, options.dense.loss_bound, true);
   aligned.correlation = level.correlation(state.homography());
   aligned.level.emplace(std::move(level));

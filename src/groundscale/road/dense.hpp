@@ -8,10 +8,10 @@ namespace groundscale {
 
 /// The plane that aligns the pixels of the road region between the reference view and view 1 (S. Song, M. Chandraker,
 /// CVPR 2014; with C. C. Guest, TPAMI 2016), R and t given: m = n / h, gain and offset that minimise
-///   sum w_k rho((I1(u_k) - gain I2(pi(H r_k)) - offset) / s) + prior,  H = R + t m^T,
+///   sum f_k w_k rho((I1(u_k) - gain I2(pi(H r_k)) - offset) / s) + prior,  H = R + t m^T,
 /// r_k the ray of pixel u_k, pi the camera model, rho = Cauchy's loss, s the robust sd of the differences; coarse to
 /// fine, Gauss-Newton with d I2 / d m = grad I2 . (d pi / d ray) t r^T. The prior is that of the expected normal,
-/// against which all pixels count as DenseOptions::worth_points road points. With
+/// against which a square of pixels counts as DenseOptions::square_worth road points. With
 /// DenseOptions::refinement = nelder_mead the plane with the best score, as there.
 ///
 /// Covariance: that of squares of pixels as independent errors, and the uncertainty of R and t where given.

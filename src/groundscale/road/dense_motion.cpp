@@ -32,7 +32,7 @@ RigidTransform of_unit_length(const RigidTransform& motion) {
 /// Of m = n |t'|, n given and t' found.
 Eigen::Matrix3d covariance_of_fixed(const Aligned& aligned, const Eigen::MatrixXd& covariance, double normal_sd_rad) {
   const Eigen::MatrixXd basis = basis_of(FreeParameters::kMotion, aligned.state);
-  const PhotometricMatrix information = aligned.worth * aligned.sums.information;
+  const PhotometricMatrix information = aligned.sums.information;
   const Eigen::MatrixXd own = basis.transpose() * information * basis;
   const Eigen::MatrixXd by_normal =
       -own.ldlt().solve(Eigen::MatrixXd(basis.transpose() * information.middleCols<3>(6)));

@@ -114,7 +114,9 @@ EstimatePlane make_fused(const PlaneOptions& options) {
         continue;
       }
       const auto& factors = options.fused.variance_factors;
-      parts.push_back({std::move(*measured), k < factors.size() ? factors[k] : 1.0});
+      // On four drives the difference of sparse and dense had that of both.
+      constexpr double kUsual = 5.0;
+      parts.push_back({std::move(*measured), k < factors.size() ? factors[k] : kUsual});
     }
     if (parts.empty()) return Error{code, reasons};
     PlaneMeasurement fused = fuse_planes(std::move(parts), options.fused);

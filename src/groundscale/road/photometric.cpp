@@ -3,31 +3,34 @@
 #include <map>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <opencv2/imgproc.hpp>
 
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/road/photometric_internal.hpp"
+#include "groundscale/road/warp_field_internal.hpp"
 #include "groundscale/tracking/opencv_internal.hpp"
 
 namespace groundscale {
 namespace {
 
-/// Room for the plane to move, and for filters.
+/// Room about the region for the plane to move.
 constexpr int kMarginPx = 40;
 /// Rounding to grey levels alone has 0.3.
 constexpr double kMinSd = 0.3;
 
-/// Part of an image whose corner is a multiple of `unit`.
-cv::Rect aligned_area(cv::Rect area, int unit, const Image& image) {
-  const int x = area.x / unit * unit;
-  const int y = area.y / unit * unit;
-  area = cv::Rect(x, y, area.x + area.width - x, area.y + area.height - y);
-  return area & cv::Rect(0, 0, image.width(), image.height());
+/// The region with room about it, its corner a multiple of `unit`.
+cv::Rect area_of(const Image& region, int unit) {
+  const cv::Rect bounds = cv::boundingRect(view_of(region));
+  const int x = std::max(0, bounds.x - kMarginPx) / unit * unit;
+  const int y = std::max(0, bounds.y - kMarginPx) / unit * unit;
+  const cv::Rect area(x, y, bounds.br().x + kMarginPx - x, bounds.br().y + kMarginPx - y);
+  return area & cv::Rect(0, 0, region.width(), region.height());
 }
 
-cv::Mat smoothed(const Image& image, const cv::Rect& area, const DenseOptions& options, int level) {
+cv::Mat smoothed(const cv::Mat& image, const DenseOptions& options, int level) {
   cv::Mat grey;
-  view_of(image)(area).convertTo(grey, CV_32F);
+  image.convertTo(grey, CV_32F);
   if (level == 0 && options.smooth_px > 0.0) {
     cv::GaussianBlur(grey, grey, {}, options.smooth_px, options.smooth_px, cv::BORDER_REFLECT_101);
   }
@@ -39,8 +42,32 @@ cv::Mat smoothed(const Image& image, const cv::Rect& area, const DenseOptions& o
   return grey;
 }
 
-/// Rows and columns of the region that hold a pixel of it.
-cv::Rect bounds_of(const Image& region) { return cv::boundingRect(view_of(region)); }
+/// Grey levels and their derivatives by full pixels, and a float to spare. Central differences: unlike the slope of
+/// what is interpolated, they don't share the noise of the pixel itself.
+cv::Mat with_derivatives(const cv::Mat& grey, double scale) {
+  cv::Mat by_x;
+  cv::Mat by_y;
+  cv::Sobel(grey, by_x, CV_32F, 1, 0, 1, 0.5 / scale);
+  cv::Sobel(grey, by_y, CV_32F, 0, 1, 1, 0.5 / scale);
+  const cv::Mat none = cv::Mat::zeros(grey.size(), CV_32F);
+  cv::Mat merged;
+  cv::merge(std::vector<cv::Mat>{grey, by_x, by_y, none}, merged);
+  return merged;
+}
+
+/// How far a pixel of the second image reaches: by the Gauss filter or those of the smaller sizes, the derivative and
+/// the interpolation, in the first image, which road stretches out of in the second.
+double reach_px(const DenseOptions& options, int level) {
+  constexpr double kStretch = 1.5;
+  const double filter = level == 0 ? 3.0 * options.smooth_px : 2.0 * ((1 << level) - 1);
+  return kStretch * (filter + 2.0 * (1 << level));
+}
+
+/// Whether a pixel lies inside by `border` pixels.
+bool well_inside(const Eigen::Vector2d& pixel, const Camera& camera, double border) {
+  return pixel.x() >= border && pixel.y() >= border && pixel.x() <= camera.width() - 1 - border &&
+         pixel.y() <= camera.height() - 1 - border;
+}
 
 }  // namespace
 
@@ -51,60 +78,46 @@ struct PhotometricLevel::Sample {
 
 PhotometricLevel::PhotometricLevel(const RoadObservations& observations, const PhotometricState& start,
                                    const DenseOptions& options, int level)
-    : camera_(observations.camera), scale_(1 << level) {
+    : camera_(observations.camera), scale_(1 << level), ray1_of_ray2_(start.homography().inverse()) {
   const int unit = 1 << level;
   const Image& region = observations.region;
-  const cv::Rect bounds = bounds_of(region);
-  const cv::Rect padded(bounds.x - kMarginPx, bounds.y - kMarginPx, bounds.width + 2 * kMarginPx,
-                        bounds.height + 2 * kMarginPx);
-  const cv::Rect area1 =
-      aligned_area(padded & cv::Rect(0, 0, region.width(), region.height()), unit, observations.images[0]);
-  const cv::Mat first = smoothed(observations.images[0], area1, options, level);
+  area_ = area_of(region, unit);
+  const cv::Mat first = smoothed(view_of(observations.images[0])(area_), options, level);
 
-  const double area = cv::countNonZero(view_of(region)(bounds)) / (scale_ * scale_);
-  const int stride = unit * std::max(1, static_cast<int>(std::lround(std::sqrt(area / options.max_pixels))));
+  const double pixels = cv::countNonZero(view_of(region)) / (scale_ * scale_);
+  const int stride = unit * std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / options.max_pixels))));
   const Eigen::Matrix3d homography = start.homography();
-  cv::Point low(region.width(), region.height());
-  cv::Point high(-1, -1);
-  std::map<int, int> block_of;
-  for (int y = (bounds.y + stride - 1) / stride * stride; y < bounds.y + bounds.height; y += stride) {
-    for (int x = (bounds.x + stride - 1) / stride * stride; x < bounds.x + bounds.width; x += stride) {
+  const double border = reach_px(options, level);
+  std::map<int, int> square_of;
+  for (int y = area_.y; y < area_.br().y; y += stride) {
+    for (int x = area_.x; x < area_.br().x; x += stride) {
       if (region.at(x, y) == 0) continue;
       const auto ray = camera_->ray({x, y});
       const auto pixel2 = ray ? camera_->project(homography * *ray) : std::nullopt;
-      if (!pixel2 || !camera_->contains(*pixel2)) continue;
+      if (!pixel2 || !well_inside(*pixel2, *camera_, border)) continue;
       const double weight = observations.weight_of_ray ? observations.weight_of_ray(*ray) : 1.0;
       constexpr double kMinWeight = 0.01;
       if (weight < kMinWeight) continue;
-      const cv::Point corner(static_cast<int>(pixel2->x()), static_cast<int>(pixel2->y()));
-      low = {std::min(low.x, corner.x), std::min(low.y, corner.y)};
-      high = {std::max(high.x, corner.x), std::max(high.y, corner.y)};
-      const int cell = y / options.block_px * region.width() + x / options.block_px;
-      const int block = block_of.try_emplace(cell, static_cast<int>(block_of.size())).first->second;
-      pixels_.push_back({*ray, first.at<float>((y - area1.y) / unit, (x - area1.x) / unit), weight, block});
+      const int cell = y / options.square_px * region.width() + x / options.square_px;
+      const int square = square_of.try_emplace(cell, static_cast<int>(square_of.size())).first->second;
+      pixels_.push_back({*ray, first.at<float>((y - area_.y) / unit, (x - area_.x) / unit), weight, square});
     }
   }
-  blocks_ = static_cast<int>(block_of.size());
+  factors_.assign(square_of.size(), 1.0);
   if (pixels_.empty()) return;
-  const cv::Rect reached(low.x - kMarginPx, low.y - kMarginPx, high.x - low.x + 2 * kMarginPx,
-                         high.y - low.y + 2 * kMarginPx);
-  area2_ = aligned_area(reached & cv::Rect(0, 0, region.width(), region.height()), unit, observations.images[1]);
-  const cv::Mat grey = smoothed(observations.images[1], area2_, options, level);
-  // Central differences: unlike the slope of what is interpolated, they don't share the noise of the pixel itself.
-  cv::Mat by_x;
-  cv::Mat by_y;
-  cv::Sobel(grey, by_x, CV_32F, 1, 0, 1, 0.5 / scale_);
-  cv::Sobel(grey, by_y, CV_32F, 0, 1, 1, 0.5 / scale_);
-  const cv::Mat none = cv::Mat::zeros(grey.size(), CV_32F);
-  cv::merge(std::vector<cv::Mat>{grey, by_x, by_y, none}, second_);
+  const WarpField field(area_, *camera_,
+                        [&](const Eigen::Vector3d& ray) -> Eigen::Vector3d { return homography * ray; });
+  const Image warped = field.warp(observations.images[1]);
+  second_ = with_derivatives(smoothed(view_of(warped), options, level), scale_);
 }
 
-std::optional<PhotometricLevel::Sample> PhotometricLevel::sample(const Eigen::Vector2d& pixel2) const {
-  const double x = (pixel2.x() - area2_.x) / scale_;
-  const double y = (pixel2.y() - area2_.y) / scale_;
+std::optional<PhotometricLevel::Sample> PhotometricLevel::sample(const Eigen::Vector2d& pixel1) const {
+  const double x = (pixel1.x() - area_.x) / scale_;
+  const double y = (pixel1.y() - area_.y) / scale_;
+  // Before they are integers: near the horizon pixels are as far away as one likes.
+  if (!(x >= 0.0 && y >= 0.0 && x < second_.cols - 1 && y < second_.rows - 1)) return std::nullopt;
   const int column = static_cast<int>(x);
   const int row = static_cast<int>(y);
-  if (!(x >= 0.0 && y >= 0.0) || column + 1 >= second_.cols || row + 1 >= second_.rows) return std::nullopt;
   const auto fx = static_cast<float>(x - column);
   const auto fy = static_cast<float>(y - row);
   const auto node = [](const float* at) { return Eigen::Map<const Eigen::Vector4f>(at); };
@@ -117,8 +130,8 @@ std::optional<PhotometricLevel::Sample> PhotometricLevel::sample(const Eigen::Ve
 }
 
 std::optional<double> PhotometricLevel::grey2(const RoadPixel& pixel, const Eigen::Matrix3d& homography) const {
-  const auto pixel2 = camera_->project(homography * pixel.ray);
-  const auto found = pixel2 ? sample(*pixel2) : std::nullopt;
+  const auto pixel1 = camera_->project(ray1_of_ray2_ * (homography * pixel.ray));
+  const auto found = pixel1 ? sample(*pixel1) : std::nullopt;
   if (!found) return std::nullopt;
   return found->grey;
 }
@@ -126,10 +139,11 @@ std::optional<double> PhotometricLevel::grey2(const RoadPixel& pixel, const Eige
 std::optional<PixelError> PhotometricLevel::error(const RoadPixel& pixel, const PhotometricState& state) const {
   const Eigen::Vector3d turned = state.motion.rotation * pixel.ray;
   const double inverse_depth = state.m.dot(pixel.ray);
-  Eigen::Matrix<double, 2, 3> by_ray;
-  const auto pixel2 = camera_->project(turned + state.motion.translation * inverse_depth, &by_ray);
-  const auto found = pixel2 ? sample(*pixel2) : std::nullopt;
+  Eigen::Matrix<double, 2, 3> by_ray1;
+  const auto pixel1 = camera_->project(ray1_of_ray2_ * (turned + state.motion.translation * inverse_depth), &by_ray1);
+  const auto found = pixel1 ? sample(*pixel1) : std::nullopt;
   if (!found) return std::nullopt;
+  const Eigen::Matrix<double, 2, 3> by_ray = by_ray1 * ray1_of_ray2_;
   PixelError error;
   error.grey2 = found->grey;
   error.difference = pixel.grey - state.gain * found->grey - state.offset;
@@ -198,6 +212,20 @@ void PhotometricLevel::match_brightness(PhotometricState& state) const {
   state.offset = mean.x() - state.gain * mean.y();
 }
 
+void PhotometricLevel::weigh_squares(const PhotometricState& state, double sd, const PlaneOptions& options) {
+  const CauchyLoss loss{options.dense.loss_bound};
+  std::vector<double> per_px2(factors_.size(), 0.0);
+  for (const RoadPixel& pixel : pixels_) {
+    const auto found = error(pixel, state);
+    if (!found) continue;
+    const double slope = state.gain * found->along_flow / sd;
+    per_px2[static_cast<std::size_t>(pixel.square)] += loss.weight(found->difference / sd) * slope * slope;
+  }
+  const double variance = options.point_sd_px * options.point_sd_px;
+  std::transform(per_px2.begin(), per_px2.end(), factors_.begin(),
+                 [&](double q) { return options.dense.square_worth / (1.0 + q * variance); });
+}
+
 PhotometricSums PhotometricLevel::sums(const PhotometricState& state, double sd, double loss_bound,
                                        bool with_motion) const {
   const CauchyLoss loss{loss_bound};
@@ -210,11 +238,10 @@ PhotometricSums PhotometricLevel::sums(const PhotometricState& state, double sd,
     if (!found) continue;
     ++sums.pixels;
     const double relative = found->difference / sd;
-    const double weight = pixel.weight * loss.weight(relative) * per_variance;
-    sums.cost += pixel.weight * loss.rho(relative);
-    sums.weight += pixel.weight;
-    const double slope = state.gain * found->along_flow;
-    sums.per_px2 += weight * slope * slope;
+    const double counts = pixel.weight * factor(pixel);
+    const double weight = counts * loss.weight(relative) * per_variance;
+    sums.cost += counts * loss.rho(relative);
+    sums.weight += counts;
     if (with_motion) {
       sums.information.noalias() += weight * found->by_state * found->by_state.transpose();
       sums.gradient.noalias() -= weight * found->difference * found->by_state;

@@ -19,9 +19,9 @@ namespace groundscale {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-/// A step that lowers the pixels' cost by less (of sum w d^2 / 2 s^2) is a hundredth of the sd of independent pixels,
-/// and the slope that is interpolated isn't that of the interpolated image any nearer than that.
-constexpr double kMinGain = 1e-2;
+/// Of the cost, by a step: a 2000th of the sd of all road points together. The slope that is interpolated isn't that of
+/// the interpolated image any nearer than that.
+constexpr double kMinGain = 1e-7;
 
 struct Step {
   PhotometricState state;
@@ -33,24 +33,22 @@ struct Step {
 /// Minimisation at one size with the scale of the differences held.
 class LevelSolver {
  public:
-  LevelSolver(const PhotometricLevel& level, FreeParameters free, const NormalPrior& prior, const PlaneOptions& options)
+  LevelSolver(PhotometricLevel& level, FreeParameters free, const NormalPrior& prior, const PlaneOptions& options)
       : level_(level), free_(free), prior_(prior), options_(options) {}
 
-  /// @return By how much the last step lowered the pixels' cost; large where it hasn't converged.
+  /// @return By how much the last step lowered the cost; large where it hasn't converged.
   double solve(Aligned& aligned) {
     aligned.sd = level_.robust_sd(aligned.state);
+    level_.weigh_squares(aligned.state, aligned.sd, options_);
     Step now{aligned.state, sums_of(aligned.state, aligned.sd)};
     weight_ = now.sums.weight;
-    aligned.worth = now.sums.per_px2 > 0.0
-                        ? options_.dense.worth_points / (options_.point_sd_px * options_.point_sd_px * now.sums.per_px2)
-                        : 1.0;
-    now.cost = cost_of(now, aligned.worth);
+    now.cost = cost_of(now);
     double gain = 0.0;
     double damping = 1e-4;
     constexpr int kMaxIterations = 15;
     for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
       const Step next = step_from(now, aligned, damping);
-      gain = next.taken ? (now.cost - next.cost) / aligned.worth : 0.0;
+      gain = next.taken ? now.cost - next.cost : 0.0;
       if (!next.taken) break;
       now = next;
       if (gain < kMinGain) break;
@@ -65,16 +63,16 @@ class LevelSolver {
     return level_.sums(state, sd, options_.dense.loss_bound, free_ != FreeParameters::kPlane);
   }
   /// Pixels that leave the image cost as much as those that stay.
-  double cost_of(const Step& step, double worth) const {
+  double cost_of(const Step& step) const {
     constexpr double kMinShare = 0.3;
     if (!(step.sums.weight > kMinShare * weight_)) return std::numeric_limits<double>::infinity();
-    return worth * weight_ * step.sums.cost + prior_.cost(step.state.m);
+    return weight_ * step.sums.cost + prior_.cost(step.state.m);
   }
 
   Step step_from(const Step& now, const Aligned& aligned, double& damping) const {
     const Eigen::MatrixXd basis = basis_of(free_, now.state);
-    PhotometricMatrix full = aligned.worth * now.sums.information;
-    PhotometricVector slope = aligned.worth * now.sums.gradient;
+    PhotometricMatrix full = now.sums.information;
+    PhotometricVector slope = now.sums.gradient;
     full.block<3, 3>(6, 6) += prior_.hessian(now.state.m);
     slope.segment<3>(6) += prior_.gradient(now.state.m);
     const Eigen::MatrixXd information = basis.transpose() * full * basis;
@@ -85,12 +83,12 @@ class LevelSolver {
       damped.diagonal() *= 1.0 + damping;
       const Eigen::VectorXd step = -damped.ldlt().solve(gradient);
       // What the step would gain if the cost were a parabola.
-      const double promised = -0.5 * step.dot(gradient) / aligned.worth;
+      const double promised = -0.5 * step.dot(gradient);
       if (promised < kMinGain) return now;
       if (step.allFinite()) {
         Step next{moved(now.state, basis * step, free_), {}};
         next.sums = sums_of(next.state, aligned.sd);
-        next.cost = cost_of(next, aligned.worth);
+        next.cost = cost_of(next);
         next.taken = next.cost < now.cost;
         damping = std::max(1e-9, damping * 0.1);
         if (next.taken) return next;
@@ -100,7 +98,7 @@ class LevelSolver {
     return now;
   }
 
-  const PhotometricLevel& level_;
+  PhotometricLevel& level_;
   FreeParameters free_;
   const NormalPrior& prior_;
   const PlaneOptions& options_;
@@ -251,7 +249,9 @@ Result<Aligned> align_road(const RoadObservations& observations, const Photometr
                            const NormalPrior& prior, const PlaneOptions& options) {
   Aligned aligned;
   aligned.state = start;
-  for (int size = options.dense.levels; size >= 0; --size) {
+  // The full size twice: the second image is warped anew by what the first time has found.
+  for (int step = options.dense.levels; step >= -1; --step) {
+    const int size = std::max(0, step);
     PhotometricLevel level(observations, aligned.state, options.dense, size);
     const int needed = std::max(20, options.dense.min_pixels >> (2 * size));
     if (static_cast<int>(level.pixels().size()) < needed) {
@@ -260,10 +260,9 @@ Result<Aligned> align_road(const RoadObservations& observations, const Photometr
     }
     level.match_brightness(aligned.state);
     LevelSolver solver(level, free, prior, options);
-    double gain = solver.solve(aligned);
-    if (size > 0) continue;
-    gain = solver.solve(aligned);  // with the differences' scale as it is now
-    constexpr double kMaxGain = 1.0;
+    const double gain = solver.solve(aligned);
+    if (step >= 0) continue;
+    constexpr double kMaxGain = 1e-2;
     if (!(gain < kMaxGain)) return Error{ErrorCode::kNotConverged, "the alignment of the road doesn't settle"};
     aligned.sums = level.sums(aligned.state, aligned.sd, options.dense.loss_bound, true);
     aligned.correlation = level.correlation(aligned.state.homography());
@@ -278,21 +277,25 @@ Eigen::MatrixXd alignment_covariance(const Aligned& aligned, FreeParameters free
   const PhotometricLevel& level = *aligned.level;
   const CauchyLoss loss{options.dense.loss_bound};
   const Eigen::MatrixXd basis = basis_of(free, aligned.state);
-  Eigen::MatrixXd of_blocks = Eigen::MatrixXd::Zero(kPhotometricSize, level.blocks());
-  const double per_variance = aligned.worth / (aligned.sd * aligned.sd);
+  Eigen::MatrixXd of_squares = Eigen::MatrixXd::Zero(kPhotometricSize, level.squares());
+  const double per_variance = 1.0 / (aligned.sd * aligned.sd);
   for (const RoadPixel& pixel : level.pixels()) {
     const auto error = level.error(pixel, aligned.state);
     if (!error) continue;
-    const double weight = pixel.weight * loss.weight(error->difference / aligned.sd) * per_variance;
-    of_blocks.col(pixel.block) += weight * error->difference * error->by_state;
+    const double counts = pixel.weight * level.factor(pixel);
+    const double weight = counts * loss.weight(error->difference / aligned.sd) * per_variance;
+    of_squares.col(pixel.square) += weight * error->difference * error->by_state;
   }
-  PhotometricMatrix information = aligned.worth * aligned.sums.information;
-  PhotometricMatrix spread = of_blocks * of_blocks.transpose();
-  const auto blocks = static_cast<double>(level.blocks());
-  spread *= blocks / std::max(1.0, blocks - static_cast<double>(basis.cols()));
+  PhotometricMatrix information = aligned.sums.information;
+  PhotometricMatrix spread = of_squares * of_squares.transpose();
+  const auto squares = static_cast<double>(level.squares());
+  spread *= squares / std::max(1.0, squares - static_cast<double>(basis.cols()));
+  // The pixels' noise may be less than that of so many road points: in the same unit, so is what the prior stands for.
+  const Eigen::Matrix3d of_pixels = information.block<3, 3>(6, 6);
+  const double noise = of_pixels.ldlt().solve(Eigen::Matrix3d(spread.block<3, 3>(6, 6))).trace() / 3.0;
   const Eigen::Matrix3d of_prior = prior.hessian(aligned.state.m);
   information.block<3, 3>(6, 6) += of_prior;
-  spread.block<3, 3>(6, 6) += of_prior;
+  spread.block<3, 3>(6, 6) += noise * of_prior;
   const Eigen::MatrixXd reduced = basis.transpose() * information * basis;
   const Eigen::MatrixXd inverse = reduced.ldlt().solve(Eigen::MatrixXd::Identity(reduced.rows(), reduced.cols()));
   return inverse * (basis.transpose() * spread * basis) * inverse;

@@ -36,7 +36,6 @@ struct Aligned {
   PhotometricState state;
   PhotometricSums sums;  ///< At full size, with what concerns the motion.
   double sd = 1.0;       ///< Robust, of the differences, in grey levels.
-  double worth = 1.0;    ///< Factor of the pixels' cost beside the prior.
   double correlation = 0.0;
   std::optional<PhotometricLevel> level{};  ///< The full size.
 };
@@ -53,14 +52,14 @@ Result<PhotometricState> alignment_start(const RoadObservations& observations, c
 PhotometricState search_nearby(const RoadObservations& observations, const PhotometricState& start,
                                const PlaneOptions& options);
 
-/// Minimum of worth sum w rho(difference / sd) + prior, coarse to fine, by Gauss-Newton steps damped as Levenberg and
-/// Marquardt have it.
+/// Minimum of sum f w rho(difference / sd) + prior, f = PhotometricLevel::factor, coarse to fine, by Gauss-Newton steps
+/// damped as Levenberg and Marquardt have it.
 Result<Aligned> align_road(const RoadObservations& observations, const PhotometricState& start, FreeParameters free,
                            const NormalPrior& prior, const PlaneOptions& options);
 
 /// Covariance of the free parameters. Pixels next to each other err alike (texture larger than a pixel, road that isn't
-/// flat), so whole squares of DenseOptions::block_px are taken as one error each: A^-1 B A^-1 with B = sum over squares
-/// of g g^T, g the square's part of the gradient (sandwich for clusters, Liang and Zeger 1986).
+/// flat), so whole squares of DenseOptions::square_px are taken as one error each: A^-1 B A^-1 with B = sum over
+/// squares of g g^T, g the square's part of the gradient (sandwich for clusters, Liang and Zeger 1986).
 Eigen::MatrixXd alignment_covariance(const Aligned& aligned, FreeParameters free, const NormalPrior& prior,
                                      const PlaneOptions& options);
 

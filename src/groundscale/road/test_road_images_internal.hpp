@@ -17,7 +17,8 @@ struct TestRoadImages {
   std::uint64_t seed = 1;
 
   Image render(bool second) const {
-    const TestTexture texture(seed, 0.25);
+    // Waves no shorter than three pixels where the region ends: these images have no lens that would blur shorter ones.
+    const TestTexture texture(seed, 0.5);
     const GroundPlane plane = second ? road.seen_from(motion) : road;
     const RigidTransform back = second ? motion.inverse() : RigidTransform{};
     Image image(camera->width(), camera->height());
@@ -37,7 +38,7 @@ struct TestRoadImages {
     return image;
   }
 
-  /// Road from 4 to 14 heights ahead... in baselines: between two depths, `half_width` to each side.
+  /// With the road from 4 to 9 steps ahead and 2 to each side as region, and the true plane as predicted.
   RoadObservations observations() const {
     RoadObservations result;
     result.camera = camera;
@@ -51,7 +52,7 @@ struct TestRoadImages {
         const double fall = ray ? road.normal_in_cam.dot(*ray) : 0.0;
         const Eigen::Vector3d point =
             fall > 0.02 ? Eigen::Vector3d(*ray * road.height / fall) : Eigen::Vector3d::Zero();
-        const bool inside = point.z() > 4.0 && point.z() < 14.0 && std::abs(point.x()) < 2.0;
+        const bool inside = point.z() > 4.0 && point.z() < 9.0 && std::abs(point.x()) < 2.0;
         result.region.data()[y * camera->width() + x] = inside ? 255 : 0;
       }
     }
