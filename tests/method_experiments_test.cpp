@@ -131,7 +131,7 @@ TEST(ScaleKittiExperiment, HasARowAMethodAndSettingAndIsResumed) {
   const TempFolder folder;
   const std::string output = folder / "out";
   const Words arguments = {"experiment", "scale-kitti", "--output",   output,      "--preset",
-                           "kitti",      "--sequences", "straight:6", "--methods", "sparse,triangulation"};
+                           "small",      "--sequences", "straight:6", "--methods", "sparse,triangulation"};
   const ProgramRun first = run_program(arguments);
   ASSERT_EQ(first.status, expected_status()) << first.err;
   EXPECT_THAT(first.out, HasSubstr("fixed region, the paper's filter:\n\n| method | straight (simulated) |"));

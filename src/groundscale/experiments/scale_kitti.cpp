@@ -11,9 +11,9 @@
 #include "groundscale/evaluation/pairing.hpp"
 #include "groundscale/experiments/report_parts.hpp"
 #include "groundscale/experiments/scale_kitti_report_internal.hpp"
+#include "groundscale/experiments/source_drive.hpp"
 #include "groundscale/experiments/work_unit.hpp"
 #include "groundscale/io/files.hpp"
-#include "groundscale/io/sequence.hpp"
 #include "groundscale/io/text_internal.hpp"
 #include "groundscale/odometry/method_comparison.hpp"
 #include "groundscale/road/ground_methods.hpp"
@@ -59,18 +59,23 @@ std::vector<Pass> passes_of(const std::vector<std::string>& methods) {
   return passes;
 }
 
-/// The paper shows its region in a picture and doesn't say its corners. This one, a rectangle in the middle third of
-/// the columns and the lower part of the image, is that of Song and Chandraker 2014 in shape.
+/// The paper shows its region in a picture and doesn't say its corners. This one is a rectangle as that of Song and
+/// Chandraker 2014: the middle third of the columns, from the row where a level road is 15 m away (0.7 of the height on
+/// KITTI) down to the last one.
 Result<std::string> fixed_region(const RenderedDrive& drive) {
-  const auto sequence = open_sequence({.source = drive.folder}, /*decode_ahead=*/false);
-  if (!sequence) return sequence.error();
-  const double width = (*sequence)->width();
-  const double height = (*sequence)->height();
-  const double left = std::round(width / 3.0);
-  const double right = std::round(2.0 * width / 3.0);
-  const double top = std::round(0.7 * height);
-  const double bottom = height - 1.0;
-  return fmt::format("road.region.polygon_px=[{0}, {2}, {1}, {2}, {1}, {3}, {0}, {3}]", left, right, top, bottom);
+  const auto source = open_source_drive(drive.folder, "", 0);
+  if (!source) return source.error();
+  const CameraSetup& setup = source->setup;
+  const Mounting mounting{setup.pitch_rad.value_or(0.0), setup.roll_rad.value_or(0.0), setup.yaw_rad.value_or(0.0)};
+  constexpr double kFarM = 15.0;
+  const auto far = setup.camera->project(kFarM * mounting.forward_in_cam() + *setup.height_m * mounting.normal_in_cam());
+  const double last_row = setup.camera->height() - 1.0;
+  if (!far || !(far->y() < last_row))
+    return internal::bad_input(fmt::format("{}: the road {} m ahead isn't in the image", drive.folder, kFarM));
+  const double left = std::round(setup.camera->width() / 3.0);
+  const double right = std::round(2.0 * setup.camera->width() / 3.0);
+  const double top = std::max(0.0, std::round(far->y()));
+  return fmt::format("road.region.polygon_px=[{0}, {2}, {1}, {2}, {1}, {3}, {0}, {3}]", left, right, top, last_row);
 }
 
 Result<std::vector<std::string>> pass_arguments(const Pass& pass, const RenderedDrive& drive,
