@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "groundscale/estimation/robust.hpp"
 #include "groundscale/experiments/matching_pairs.hpp"
 #include "groundscale/experiments/plot.hpp"
 #include "groundscale/experiments/report_parts.hpp"
@@ -36,12 +37,6 @@ struct FinishedDrive {
   RenderedDrive drive;
   std::vector<MatchedPair> pairs;
 };
-
-double quantile(std::vector<double> values, double share) {
-  const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + index, values.end());
-  return values[static_cast<std::size_t>(index)];
-}
 
 Table empty_table() {
   std::vector<Column> columns = {{.name = "pairs_of", .title = "", .text = true},
