@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kMinStepTimeS = 1e-3;
 constexpr double kMinStructureParallaxPx = 3.0;
+/// A step that is a smaller share of what lies before it in the pair is the error of that.
+constexpr double kMinShareOfLead = 0.2 / 3.0;
 
 /// Turn over distance from one pose to the next; where the camera hardly moves that is noise, so no more than in the
 /// tightest turn of a road vehicle.
@@ -164,8 +166,7 @@ double PairChain::step_from_structure(const PairMotion& pair, GroundStep& step) 
   const double present = found->distance - lead;
   const FrameResult& last = results_.back();
   const double last_dt = results_.size() < 2 ? step.dt_s : last.time_s - results_[results_.size() - 2].time_s;
-  constexpr double kMinShare = 0.2 / 3.0;  // of the lead: below, the step is the error's
-  if (!(present > kMinShare * lead) || !(last.online_step_m > 0.0) || !(last_dt > 0.0)) return std::max(0.0, present);
+  if (!(present > kMinShareOfLead * lead) || !(last.online_step_m > 0.0) || !(last_dt > 0.0)) return std::max(0.0, present);
   step.log_speed_change = std::log(present / step.dt_s / (last.online_step_m / last_dt));
   constexpr double kModelSd = 0.01;  // what calibration and slipping tracks do, a pair
   step.log_speed_change_sd = std::hypot(found->log_sd, kModelSd) * found->distance / present;
@@ -247,6 +248,9 @@ double PairChain::take_measured(const PairMotion& pair, GroundObservation observ
   const double expected = lead_of(pair) + expected_step;
   if (!scaled_) take_scale(distance, expected);
   observation.lead_m = lead_of(pair);
+  // A pair that is shorter than what of it is thought to lie behind: that was too much, and so is what is expected of
+  // the present step, by the same factor.
+  if (distance < (1.0 + kMinShareOfLead) * observation.lead_m) observation.lead_m *= distance / expected;
   // A log that has begun alone and turns out to be quite wrong is as if it had never been.
   const bool anew = !ground_seen_ && std::abs(std::log(distance / expected)) > kGrossLogRatio;
   if (!filter_->started() || anew) {
@@ -338,7 +342,8 @@ RoadWarp PairChain::expected_warp(const RigidTransform& cam2_from_cam1, double e
   RoadWarp warp;
   warp.cam2_from_cam1 = {cam2_from_cam1.rotation, expected_distance_m * cam2_from_cam1.translation};
   warp.road_in_cam1 = {mounting_.mean_normal(), camera_height_m_};
-  if (filter_->started()) {
+  // Where one looks anew, what the filter has last thought may be the reason why nothing was found.
+  if (filter_->started() && !needs_search()) {
     const GroundState state = filter_->state();
     const Eigen::Vector3d normal = state.normal_in_cam();
     warp.road_in_cam1.normal_in_cam =
