@@ -68,7 +68,8 @@ Result<std::string> fixed_region(const RenderedDrive& drive) {
   const CameraSetup& setup = source->setup;
   const Mounting mounting{setup.pitch_rad.value_or(0.0), setup.roll_rad.value_or(0.0), setup.yaw_rad.value_or(0.0)};
   constexpr double kFarM = 15.0;
-  const auto far = setup.camera->project(kFarM * mounting.forward_in_cam() + *setup.height_m * mounting.normal_in_cam());
+  const auto far =
+      setup.camera->project(kFarM * mounting.forward_in_cam() + *setup.height_m * mounting.normal_in_cam());
   const double last_row = setup.camera->height() - 1.0;
   if (!far || !(far->y() < last_row))
     return internal::bad_input(fmt::format("{}: the road {} m ahead isn't in the image", drive.folder, kFarM));

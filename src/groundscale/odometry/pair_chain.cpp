@@ -166,7 +166,8 @@ double PairChain::step_from_structure(const PairMotion& pair, GroundStep& step) 
   const double present = found->distance - lead;
   const FrameResult& last = results_.back();
   const double last_dt = results_.size() < 2 ? step.dt_s : last.time_s - results_[results_.size() - 2].time_s;
-  if (!(present > kMinShareOfLead * lead) || !(last.online_step_m > 0.0) || !(last_dt > 0.0)) return std::max(0.0, present);
+  if (!(present > kMinShareOfLead * lead) || !(last.online_step_m > 0.0) || !(last_dt > 0.0))
+    return std::max(0.0, present);
   step.log_speed_change = std::log(present / step.dt_s / (last.online_step_m / last_dt));
   constexpr double kModelSd = 0.01;  // what calibration and slipping tracks do, a pair
   step.log_speed_change_sd = std::hypot(found->log_sd, kModelSd) * found->distance / present;
