@@ -9,11 +9,11 @@
 namespace groundscale {
 
 /// A cost near one state, to second order without the second derivatives of the residuals: information J^T W J and
-/// gradient J^T W r of n parameters.
-template <int n>
+/// gradient J^T W r of N parameters.
+template <int N>
 struct NormalEquations {
-  Eigen::Matrix<double, n, n> information = Eigen::Matrix<double, n, n>::Zero();
-  Eigen::Matrix<double, n, 1> gradient = Eigen::Matrix<double, n, 1>::Zero();
+  Eigen::Matrix<double, N, N> information = Eigen::Matrix<double, N, N>::Zero();
+  Eigen::Matrix<double, N, 1> gradient = Eigen::Matrix<double, N, 1>::Zero();
 };
 
 /// What is minimised: the cost of a state, its normal equations there, and the state one step (of kParameters numbers)

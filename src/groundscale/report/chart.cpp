@@ -107,7 +107,7 @@ std::string band_svg(const ChartBand& band, const Plot& plot) {
     }
     const std::string x = coordinate(plot.x(range.x));
     path += fmt::format("{}{} {}", back.empty() ? "M" : "L", x, coordinate(plot.y(range.high)));
-    back = fmt::format("L{} {}", x, coordinate(plot.y(range.low))) + back;
+    back.insert(0, fmt::format("L{} {}", x, coordinate(plot.y(range.low))));
   }
   close();
   return path_element("band", path);
