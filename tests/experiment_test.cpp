@@ -215,6 +215,18 @@ TEST(Experiment, ListNamesAll) {
   EXPECT_THAT(list.err, IsEmpty());
 }
 
+TEST(Experiment, RefusesAnOptionThatItDoesNotHave) {
+  const TempFolder folder;
+  for (const char* name : {"drives", "realism", "vo-kitti", "campus", "calibration", "scale-kitti", "synthetic",
+                           "contamination", "timing", "matching"}) {
+    const ProgramRun refused = run_program({"experiment", name, "--output", folder / "out", "--clips", folder / "none",
+                                            "--kitti", folder / "none", "--trails", "3"});
+    EXPECT_EQ(refused.status, 2) << name;
+    EXPECT_THAT(refused.err, HasSubstr("--trails")) << name;
+    EXPECT_FALSE(fs::exists(folder / "out")) << name;
+  }
+}
+
 /// Wrong use, in a row of docs/bad-input.md.
 struct Refused {
   std::string name;
@@ -281,6 +293,9 @@ INSTANTIATE_TEST_SUITE_P(
          "--modes: 'loops' is no mode, known: none, triggered, filtered, continuous, pairwise"},
         {"clips and kitti",
          {"vo-kitti", "--output", "OUT", "--clips", "FOLDER/own", "--kitti", "FOLDER/kitti"},
+         "--clips and --kitti can't both be given"},
+        {"clips and kitti, other experiment",
+         {"timing", "--output", "OUT", "--clips", "FOLDER/own", "--kitti", "FOLDER/kitti"},
          "--clips and --kitti can't both be given"},
         {"no clips", {"vo-kitti", "--output", "OUT", "--clips", "FOLDER/own"}, "holds no NN/image_0"},
         {"compare without poses",

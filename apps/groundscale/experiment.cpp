@@ -401,8 +401,9 @@ void add_experiment(CLI::App& app, int& exit_status) {
   const auto list = std::make_shared<bool>(false);
   command->add_flag("--list", *list, "Names of all experiments, a line each");
   command->require_subcommand(0, 1);
-  command->allow_extras();  // for a message that names those there are
   for (const auto add : kExperiments) add(*command, exit_status);
+  // For a message that names those there are; the experiments themselves, which inherit it, allow none.
+  command->allow_extras();
   command->callback([command, list, &exit_status] {
     if (!command->get_subcommands().empty()) return;
     if (*list && command->remaining().empty()) {

@@ -1,5 +1,6 @@
 #include "groundscale/experiments/contamination.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -47,7 +48,10 @@ Result<Plan> make_plan(const ContaminationOptions& options) {
     return bad_input("--set road.region.polygon_px: has no place here, the region is shifted in metres");
   }
   plan.walk = {.odometry = *odometry, .true_motion = options.true_motion};
-  for (const double share : options.shares_percent) plan.shares.push_back(share / kPercent);
+  for (const double share : options.shares_percent) {
+    const double wanted = share / kPercent;
+    if (std::find(plan.shares.begin(), plan.shares.end(), wanted) == plan.shares.end()) plan.shares.push_back(wanted);
+  }
   DriveOptions drives = options.drives;
   drives.default_sequences = {"07:100"};
   if (drives.sequences.empty() && drives.kitti.empty()) drives.sequences = {"straight:100", "city:60"};
@@ -119,7 +123,7 @@ Result<ExperimentOutcome> report(Done done, const Plan& plan, const ExperimentRe
   for (const auto& [name, table] : tables) {
     if (const auto written = write_text((output / name).string(), table.csv()); !written) return written.error();
   }
-  const std::vector<Plot> plots = internal::contamination_plots(done.records);
+  std::vector<Plot> plots = internal::contamination_plots(done.records);
   const bool drawn = write_figures(request.output, plots, done.problems);
   for (const std::string_view region : {internal::kWholeRegion, internal::kPathRegion, internal::kRoadMask}) {
     outcome.table += internal::contamination_overview(done.records, region) + "\n";

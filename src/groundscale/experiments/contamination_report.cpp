@@ -142,16 +142,14 @@ std::vector<Plot> contamination_plots(const std::vector<ContaminationRecord>& re
       plot.curves.push_back({.title = method, .y = column, .style = CurveStyle::kLinesPoints});
       plot.columns.push_back(method);
     }
-    bool any = false;
     for (const double share : shares_of(records)) {
       std::vector<std::optional<double>> row = {kPercent * share};
       for (const std::string& method : methods) {
         row.push_back(group_of(records, region, share, method).of(0.5, true));
-        any = any || row.back();
       }
       plot.rows.push_back(std::move(row));
     }
-    if (any) plots.push_back(std::move(plot));
+    plots.push_back(std::move(plot));
   }
   return plots;
 }

@@ -160,7 +160,7 @@ Result<ExperimentOutcome> report(const Contest& contest, const ContestResult& so
     if (!written) return written.error();
   }
   ContestResult result = so_far;
-  const std::vector<Plot> plots = internal::contest_plots(result.drives);
+  std::vector<Plot> plots = internal::contest_plots(result.drives);
   const bool drawn = write_figures(request.output, plots, result.problems);
   ExperimentOutcome outcome;
   outcome.report = (output / (contest.name + ".md")).string();

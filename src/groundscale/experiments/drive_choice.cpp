@@ -161,6 +161,8 @@ Result<DriveChoice> along_route(const Wanted& wanted, double rate_hz) {
 }  // namespace
 
 Result<std::vector<DriveChoice>> choose_drives(const DriveOptions& options) {
+  if (!options.clips.empty() && !options.kitti.empty())
+    return internal::bad_input("--clips and --kitti can't both be given");
   const auto camera = find_camera_preset(options.preset);
   if (!camera) return camera.error();
   const auto all = wanted_drives(options);

@@ -39,8 +39,9 @@ struct DriveChoice {
 };
 
 /// Looks at everything that can be wrong with the options before any work.
-/// @return kBadInput: no such preset, route or sequence (those that are there are listed); a name twice; a pose file
-/// that can't be read; a number of frames that is none or below 2; a real drive that misses something.
+/// @return kBadInput: `clips` and `kitti` both; no such preset, route or sequence (those that are there are listed); a
+/// name twice; a pose file that can't be read; a number of frames that is none or below 2; a real drive that misses
+/// something.
 Result<std::vector<DriveChoice>> choose_drives(const DriveOptions& options);
 
 /// Arguments of `groundscale simulate` that decide what the drive is, --output and --threads left out.

@@ -30,7 +30,7 @@ Result<ExperimentOutcome> report(const std::vector<FinishedDrive>& drives, std::
   const fs::path output = request.output;
   const Table table = internal::drives_table(drives);
   if (const auto written = write_text((output / "drives.csv").string(), table.csv()); !written) return written.error();
-  const auto plots = internal::drives_plots(drives);
+  auto plots = internal::drives_plots(drives);
   if (!plots) return plots.error();
   const bool drawn = write_figures(request.output, *plots, problems);
   ExperimentOutcome outcome;

@@ -175,7 +175,7 @@ Result<ExperimentOutcome> report(const std::vector<FinishedDrive>& drives, std::
   }
   std::vector<std::string> names;
   for (const Column& column : table.columns()) names.push_back(column.name);
-  const std::vector<Plot> plots = {errors_plot(drives)};
+  std::vector<Plot> plots = {errors_plot(drives)};
   const bool drawn = write_figures(request.output, plots, problems);
   ExperimentOutcome outcome;
   outcome.table = table.markdown(names);

@@ -114,9 +114,13 @@ bool holds(const fs::path& path, const std::string& text) {
 
 }  // namespace
 
+bool has_points(const Plot& plot) {
+  return std::any_of(plot.curves.begin(), plot.curves.end(),
+                     [&plot](const Curve& curve) { return has_points(plot, curve); });
+}
+
 std::string plot_script(const Plot& plot) {
-  const auto drawn = [&plot](const Curve& curve) { return has_points(plot, curve); };
-  GS_CHECK(std::any_of(plot.curves.begin(), plot.curves.end(), drawn), "a figure has a curve with points");
+  GS_CHECK(has_points(plot), "a figure has a curve with points");
   std::string text =
       fmt::format("# gnuplot {0}.gp, in this folder, draws {0}.svg and {0}.png from {0}.csv.\n", plot.name);
   text += "set datafile separator ','\nset encoding utf8\n";

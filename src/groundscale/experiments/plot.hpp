@@ -33,7 +33,10 @@ struct Plot {
   std::vector<std::string> settings{};                   ///< Further commands of gnuplot, before the curves are drawn.
 };
 
-/// @pre a curve with points. The gnuplot script: reads `NAME.csv` and draws `NAME.svg` and `NAME.png`, all in the
+/// Whether a curve has a point, so that there is something to draw.
+bool has_points(const Plot& plot);
+
+/// @pre has_points. The gnuplot script: reads `NAME.csv` and draws `NAME.svg` and `NAME.png`, all in the
 /// folder it is run in.
 std::string plot_script(const Plot& plot);
 /// The data with a heading; numbers in the shortest form that reads back to the same bits.

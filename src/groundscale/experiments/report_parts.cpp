@@ -10,7 +10,9 @@
 
 namespace groundscale {
 
-bool write_figures(const std::string& output, const std::vector<Plot>& plots, std::vector<std::string>& problems) {
+bool write_figures(const std::string& output, std::vector<Plot>& plots, std::vector<std::string>& problems) {
+  plots.erase(std::remove_if(plots.begin(), plots.end(), [](const Plot& plot) { return !has_points(plot); }),
+              plots.end());
   const std::string folder = (std::filesystem::path(output) / "figures").string();
   const bool draw = gnuplot_is_there();
   if (!draw) {
@@ -31,6 +33,7 @@ bool write_figures(const std::string& output, const std::vector<Plot>& plots, st
 }
 
 std::string figures_section(const std::vector<Plot>& plots, bool drawn) {
+  if (plots.empty()) return {};
   std::string text = "## Figures\n\nEach has its data (`.csv`) and script (`.gp`) beside it in `figures`.\n\n";
   for (const Plot& plot : plots) {
     text += drawn ? fmt::format("![{0}](figures/{1}.svg)\n\n", plot.title, plot.name)

@@ -147,10 +147,7 @@ std::vector<Plot> scale_plots(const ScaleKittiResult& result) {
       }
       plot.rows.push_back(std::move(row));
     }
-    const auto has_value = [](const std::vector<std::optional<double>>& row) {
-      return std::any_of(row.begin() + 1, row.end(), [](const auto& value) { return value.has_value(); });
-    };
-    if (std::any_of(plot.rows.begin(), plot.rows.end(), has_value)) plots.push_back(std::move(plot));
+    plots.push_back(std::move(plot));
   }
   return plots;
 }

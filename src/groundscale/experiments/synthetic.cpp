@@ -95,7 +95,7 @@ Result<ExperimentOutcome> report(const SyntheticResults& results, const Syntheti
   if (const auto written = write_text((output / fmt::format("{}.csv", kSyntheticName)).string(), csv); !written) {
     return written.error();
   }
-  const std::vector<Plot> plots = internal::synthetic_plots(results);
+  std::vector<Plot> plots = internal::synthetic_plots(results);
   const bool drawn = write_figures(request.output, plots, outcome.problems);
   const std::string findings = in_words(internal::synthetic_findings(results));
   std::string tables;

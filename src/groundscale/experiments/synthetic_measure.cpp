@@ -33,6 +33,12 @@ std::vector<SyntheticContender> contenders_of(const std::vector<PlaneMethod>& me
   return contenders;
 }
 
+/// So that 18 steps of 0.1 are 1.8.
+double rounded(double value) {
+  constexpr double kUnit = 1e6;
+  return std::round(value * kUnit) / kUnit;
+}
+
 /// All points, without errors.
 SyntheticResults plan(const std::vector<PlaneMethod>& methods, const SyntheticOptions& options) {
   SyntheticResults results;
@@ -40,8 +46,9 @@ SyntheticResults plan(const std::vector<PlaneMethod>& methods, const SyntheticOp
     const double step_m = speed / kKmhPerMps / options.rate_hz;
     for (const bool true_motion : {true, false}) results.settings.push_back({speed, step_m, true_motion});
   }
-  const auto levels = static_cast<int>(std::lround(options.max_noise_px / options.noise_step_px));
-  for (int k = 0; k <= levels; ++k) results.noise_px.push_back(k * options.noise_step_px);
+  constexpr double kRounding = 1e-9;  // 2 px in steps of 0.1 px are twenty
+  const auto levels = static_cast<int>(std::floor(options.max_noise_px / options.noise_step_px + kRounding));
+  for (int k = 0; k <= levels; ++k) results.noise_px.push_back(rounded(k * options.noise_step_px));
   results.contenders = contenders_of(methods, options.pitch_errors_deg);
   for (const SyntheticSetting& setting : results.settings) {
     for (const double noise : results.noise_px) {

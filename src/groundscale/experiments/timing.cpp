@@ -93,7 +93,7 @@ Result<ExperimentOutcome> report(Done done, const ExperimentRequest& request) {
   if (const auto written = write_text((output / fmt::format("{}.csv", kTimingName)).string(), table.csv()); !written) {
     return written.error();
   }
-  const std::vector<Plot> plots = {internal::timing_plot(done.timings)};
+  std::vector<Plot> plots = {internal::timing_plot(done.timings)};
   const bool drawn = write_figures(request.output, plots, done.problems);
   ExperimentOutcome outcome;
   outcome.report = (output / fmt::format("{}.md", kTimingName)).string();

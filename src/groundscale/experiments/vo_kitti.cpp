@@ -1,15 +1,11 @@
 #include "groundscale/experiments/vo_kitti.hpp"
 
 #include "groundscale/experiments/odometry_modes.hpp"
-#include "groundscale/io/text_internal.hpp"
 
 namespace groundscale {
 
 Result<ExperimentOutcome> run_vo_kitti(ContestOptions options, const RunSettings& settings,
                                        const ExperimentRequest& request) {
-  if (!options.drives.clips.empty() && !options.drives.kitti.empty()) {
-    return internal::bad_input("--clips and --kitti can't both be given");
-  }
   options.drives.default_sequences = {"03", "06", "07", "10", "00:1501"};
   Contest contest{.name = kVoKittiName, .summary = kVoKittiSummary, .aims = drift_aims};
   if (!options.distortion) return run_contest(contest, options, settings, request);
