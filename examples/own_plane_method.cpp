@@ -1,11 +1,14 @@
 // A way of one's own to measure the ground, beside those that are there, on the same matches: docs/adding-a-method.md.
 // usage: own_plane_method [SEQUENCE CAMERA.yaml]; without a drive it measures a road that is made up.
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "groundscale/camera/pinhole.hpp"
+#include "groundscale/estimation/robust.hpp"
 #include "groundscale/io/camera_file.hpp"
 #include "groundscale/io/sequence.hpp"
 #include "groundscale/odometry/method_comparison.hpp"
@@ -20,11 +23,12 @@ using namespace groundscale;
 /// Height of the road as the median of its points' heights, the normal being the expected one.
 Result<PlaneMeasurement> median_height(const RoadObservations& observations, const PlaneOptions& options, Rng&) {
   const Eigen::Vector3d& normal = observations.expected_normal;
-  if (normal.isZero()) return Error{ErrorCode::kNotGround, "the normal must be known"};
+  if (normal.isZero()) return Error{ErrorCode::kBadInput, "the normal must be known"};
   const RigidTransform& cam2_from_cam1 = observations.cam_from_reference[1];
+  if (!(cam2_from_cam1.translation.norm() > 1e-9)) return Error{ErrorCode::kDegenerateMotion, "there is no baseline"};
 
+  std::vector<int> points;
   std::vector<double> heights;
-  PlaneMeasurement measurement;
   for (std::size_t i = 0; i < observations.points.size(); ++i) {
     const RoadPoint& point = observations.points[i];
     const auto ray1 = observations.camera->ray(point.pixel_in_reference);
@@ -35,18 +39,22 @@ Result<PlaneMeasurement> median_height(const RoadObservations& observations, con
     const Eigen::Vector3d b = ray2->cross(cam2_from_cam1.translation);
     const double distance = -a.dot(b) / a.squaredNorm();
     if (!(distance > 0.0)) continue;
+    points.push_back(static_cast<int>(i));
     heights.push_back(distance * normal.dot(*ray1));
-    measurement.inliers.push_back(static_cast<int>(i));
   }
-  if (static_cast<int>(heights.size()) < options.min_inliers)
-    return Error{ErrorCode::kTooFewMatches, "too few points lie before both cameras"};
-
-  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-  std::nth_element(heights.begin(), middle, heights.end());
-  if (!(*middle > 0.0)) return Error{ErrorCode::kNotGround, "the points lie above the camera"};
-  measurement.plane = measurement.initial_plane = {normal, *middle};
-  // Of m = n / h. The gates want to know; a hundredth of the height and of a radian is a guess.
-  measurement.covariance_of_m = 1e-4 / (*middle * *middle) * Eigen::Matrix3d::Identity();
+  const double height = median(heights);  // NaN without points
+  PlaneMeasurement measurement;
+  for (std::size_t k = 0; k < heights.size(); ++k) {
+    if (std::abs(heights[k] - height) < 0.1 * height) measurement.inliers.push_back(points[k]);
+  }
+  const std::size_t count = measurement.inliers.size();
+  if (static_cast<int>(count) < options.min_inliers) {
+    return Error{ErrorCode::kTooFewMatches, std::to_string(count) + " points have about the median height, " +
+                                                std::to_string(options.min_inliers) + " needed"};
+  }
+  measurement.plane = measurement.initial_plane = {normal, height};
+  // Of m = n / h. The gates want to know; two hundredths of the height and of a radian are a guess.
+  measurement.covariance_of_m = 4e-4 / (height * height) * Eigen::Matrix3d::Identity();
   return measurement;
 }
 // [method]

@@ -180,6 +180,7 @@ RoadObservations PairWalk::observe(const Image& region, const RegionOptions& opt
   const auto observed = [&](const Matches& matches, const ExpectedRoad& expected) {
     RoadObservations observations = observe_pair(pair_, matches, camera(), expected, options);
     observations.expected_normal = mean_normal_;
+    observations.predicted_plane = plane_in_baselines(expected_.warp);
     observations.images = {partner.image, frame_.image};
     observations.region = region;
     return observations;

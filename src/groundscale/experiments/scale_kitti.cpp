@@ -26,13 +26,6 @@ using internal::ScaleKittiResult;
 using internal::ScaleRow;
 using internal::ScaleSetting;
 
-/// In the paper triangulation and decomposition have their scale filtered alone; two others have no normal of their
-/// own either.
-bool filters_scale_alone(const std::string& method) {
-  constexpr const char* kNames[] = {"triangulation", "decomposition", "delaunay", "fixed_plane"};
-  return std::find(std::begin(kNames), std::end(kNames), method) != std::end(kNames);
-}
-
 /// One call of `groundscale scale`.
 struct Pass {
   std::string name;    ///< Of its folder.
@@ -45,7 +38,8 @@ struct Pass {
 std::vector<Pass> passes_of(const std::vector<std::string>& methods) {
   std::vector<std::string> scale_alone;
   std::vector<std::string> whole_plane;
-  for (const std::string& method : methods) (filters_scale_alone(method) ? scale_alone : whole_plane).push_back(method);
+  for (const std::string& method : methods)
+    (find_ground_method(method)->scale_alone ? scale_alone : whole_plane).push_back(method);
   std::vector<Pass> passes;
   for (const char* region : {"fixed", "path"}) {
     passes.push_back({fmt::format("{}-model", region), region, "model", "model", methods});
@@ -91,6 +85,7 @@ Result<std::vector<std::string>> pass_arguments(const Pass& pass, const Rendered
   if (!drive.real && fs::is_regular_file(config, ignored)) arguments.insert(arguments.end(), {"--config", config});
   for (const std::string& assignment : settings.assignments) set(assignment);
   set("ground.filter=" + pass.kind);
+  if (pass.kind == "paper") set("ground.plane.start=predicted");
   if (pass.region == "fixed") {
     const auto region = fixed_region(drive);
     if (!region) return region.error();
@@ -174,7 +169,7 @@ Result<ExperimentOutcome> report(ScaleKittiResult result, const ExperimentReques
   const fs::path output = request.output;
   const auto written = write_text((output / "scale-kitti.csv").string(), internal::scale_table(result.rows).csv());
   if (!written) return written.error();
-  const std::vector<Plot> plots = internal::scale_plots(result);
+  std::vector<Plot> plots = internal::scale_plots(result);
   const bool drawn = write_figures(request.output, plots, result.problems);
   ExperimentOutcome outcome;
   outcome.report = (output / "scale-kitti.md").string();
@@ -189,9 +184,6 @@ Result<ExperimentOutcome> report(ScaleKittiResult result, const ExperimentReques
 
 Result<ExperimentOutcome> run_scale_kitti(ScaleKittiOptions options, const RunSettings& settings,
                                           const ExperimentRequest& request) {
-  if (!options.drives.clips.empty() && !options.drives.kitti.empty()) {
-    return internal::bad_input("--clips and --kitti can't both be given");
-  }
   if (const auto valid = settings.validate(); !valid) return valid.error();
   if (options.methods.empty()) {
     for (const PlaneMethod& method : ground_methods()) options.methods.emplace_back(method.name);

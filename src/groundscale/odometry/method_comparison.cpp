@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "groundscale/io/text_internal.hpp"
+#include "groundscale/odometry/pair_observations.hpp"
 #include "groundscale/road/ground_methods.hpp"
 
 namespace groundscale {
@@ -68,7 +69,7 @@ Result<RoadMeasurement> ComparedMethod::measure(const PairwiseOdometry& front, d
   RoadObservations observations = sights.observations;
   if (chain_.scaled() && !chain_.needs_search()) {
     const RoadWarp warp = chain_.expected_warp(front.latest_pair().motion.cam2_from_cam1, expected_distance_m);
-    observations.predicted_plane = {warp.road_in_cam1.normal_in_cam, warp.road_in_cam1.height / expected_distance_m};
+    observations.predicted_plane = plane_in_baselines(warp);
   }
   result.road_matches = static_cast<int>(observations.points.size());
   const auto start = std::chrono::steady_clock::now();

@@ -22,6 +22,11 @@ std::vector<ScenePoint> scene_of(const Pair& pair) {
 
 }  // namespace
 
+GroundPlane plane_in_baselines(const RoadWarp& expected) {
+  return {expected.road_in_cam1.normal_in_cam,
+          expected.road_in_cam1.height / expected.cam2_from_cam1.translation.norm()};
+}
+
 RoadObservations observe_pair(const Pair& pair, const Matches& road_matches, const CameraPtr& camera,
                               const ExpectedRoad& expected, const RegionOptions& region) {
   const GroundPlane& road = expected.warp.road_in_cam1;
@@ -42,7 +47,6 @@ RoadObservations observe_pair(const Pair& pair, const Matches& road_matches, con
     if (ray && observations.weight_of_ray) point.weight = observations.weight_of_ray(*ray);
     observations.points.push_back(std::move(point));
   }
-  observations.predicted_plane = {road.normal_in_cam, road.height / expected.warp.cam2_from_cam1.translation.norm()};
   observations.scene = scene_of(pair);
   return observations;
 }

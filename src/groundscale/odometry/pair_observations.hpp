@@ -9,17 +9,19 @@
 
 namespace groundscale {
 
-/// What is expected of a pair before its road is measured, in metres.
+/// Where a pair's road lies by what is known so far, in metres.
 struct ExpectedRoad {
   RoadWarp warp;
   DrivenPath path;
 };
 
+/// The road of a warp in units of its baseline, as RoadObservations::predicted_plane has it.
+GroundPlane plane_in_baselines(const RoadWarp& expected);
+
 /// A pair's road matches as what a plane is measured from: the pair's motion with its covariance, |t| = 1; the road's
 /// points, which count less the farther they lie from the path (all alike in a fixed region, where nothing is known of
-/// a path); the points of the whole image that agree with the motion; the plane that is expected. Of the normal, images
-/// and region nothing is said.
-/// O(points).
+/// a path); the points of the whole image that agree with the motion. Of what is predicted, images and region nothing
+/// is said. O(points).
 RoadObservations observe_pair(const Pair& pair, const Matches& road_matches, const CameraPtr& camera,
                               const ExpectedRoad& expected, const RegionOptions& region);
 

@@ -111,11 +111,12 @@ class PairwiseOdometry final : public Odometry {
   PairChain chain_;
   Views views_;
 
-  PairMotion pair_;                            ///< Of the present frame,
-  std::optional<RoadSights> road_;             ///< with its road.
-  std::optional<RigidTransform> last_motion_;  ///< Unit translation, of the last moving pair.
-  Matches road_matches_;                       ///< Of the present frame, after the last pass.
-  Image road_mask_;                            ///< Of the present frame.
+  PairMotion pair_;                             ///< Of the present frame,
+  std::optional<RoadSights> road_;              ///< with its road,
+  std::optional<GroundPlane> predicted_plane_;  ///< and where that was looked for.
+  std::optional<RigidTransform> last_motion_;   ///< Unit translation, of the last moving pair.
+  Matches road_matches_;                        ///< Of the present frame, after the last pass.
+  Image road_mask_;                             ///< Of the present frame.
   FrameDetails details_;
   StageClock clock_;
 };

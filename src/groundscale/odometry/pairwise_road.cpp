@@ -32,6 +32,7 @@ Result<PlaneMeasurement> PairwiseOdometry::measure_plane(const EstimatePlane& me
   RoadObservations observations = observe_pair(pair, road_matches_, camera_, {warp, path}, options_.road.region);
   const MountingEstimate& mounting = chain_.mounting();
   observations.expected_normal = mounting.mean_normal();
+  observations.predicted_plane = predicted_plane_;
   if (!mounting.settled()) observations.normal_prior_factor = options_.ground.unsettled_prior_factor;
   observations.images = {pair.view->road.image, image};
   observations.region = details_.region;
@@ -50,11 +51,14 @@ Result<RoadMeasurement> PairwiseOdometry::measure_road(const Pair& pair, double 
     return restrict_region(restrict_region(strip, tracking_mask_), pair.view->road_mask);
   };
   Image region = region_of(warp);
+  predicted_plane_.reset();
+  if (chain_.scaled()) predicted_plane_ = plane_in_baselines(warp);
   if (chain_.needs_search()) {
     const WarpSearch found = search_warp(partner.image, frame.image, region, warp, *camera_, options_.road.search);
     constexpr double kMinCorrelation = 0.3;
     if (found.correlation > kMinCorrelation) {
       warp = found.warp;
+      predicted_plane_ = plane_in_baselines(warp);
       region = region_of(warp);
     }
   }

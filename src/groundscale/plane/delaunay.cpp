@@ -201,8 +201,9 @@ class DelaunayMethod {
   Result<PlaneMeasurement> measure(const RoadObservations& observations, const std::vector<GroundPoint>& vertices,
                                    const PlaneFit& fit) {
     // Without a prediction nothing ties the units of different frames together.
-    if (!observations.predicted_plane) window_.clear();
-    const double unit = observations.predicted_plane ? observations.predicted_plane->height : 1.0;
+    const bool alone = !observations.predicted_plane;
+    if (alone) window_.clear();
+    const double unit = alone ? 1.0 : observations.predicted_plane->height;
     const Eigen::Vector3d& normal = fit.plane.normal_in_cam;
     window_.push_back(vote_of(vertices, normal, unit));
     while (static_cast<int>(window_.size()) > options_.delaunay.window) window_.pop_front();
@@ -211,6 +212,7 @@ class DelaunayMethod {
       all.heights.insert(all.heights.end(), vote.heights.begin(), vote.heights.end());
       all.weights.insert(all.weights.end(), vote.weights.begin(), vote.weights.end());
     }
+    if (alone) window_.clear();
     const double sigma = options_.delaunay.kernel * median(all.heights);
     const HeightMode mode = mode_of_heights(all.heights, all.weights, sigma);
 

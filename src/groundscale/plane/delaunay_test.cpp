@@ -67,6 +67,10 @@ TEST(Delaunay, WithoutAPredictionThereIsNoMemory) {
   const auto measured = method(seen, rng);
   ASSERT_TRUE(measured);
   EXPECT_NEAR(measured->plane.height, 0.5 * kTestRoad.height, 0.01);
+  // Nor does a frame that has one remember those that had none.
+  const auto predicted = method(street(0.05, rng), rng);
+  ASSERT_TRUE(predicted);
+  EXPECT_NEAR(predicted->plane.height, kTestRoad.height, 0.01);
 }
 
 TEST(Delaunay, PointsAboveTheHorizonAreNotEnough) {

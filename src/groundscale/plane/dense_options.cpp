@@ -31,10 +31,16 @@ void visit_fields(DenseOptions& options, FieldVisitor& visitor) {
                 options.loss_bound);
   visitor.field({.key = "square_worth",
                  .unit = "",
-                 .help = "a square with texture counts as so many road points against the prior of the normal",
+                 .help = "a square with texture counts as so many road points",
                  .min = 0.0001,
                  .max = 10000},
                 options.square_worth);
+  visitor.field({.key = "square_px",
+                 .unit = "px",
+                 .help = "side of the squares whose pixels count together, and err together in the covariance",
+                 .min = 2,
+                 .max = 1000},
+                options.square_px);
   visitor.field(
       {.key = "min_correlation", .unit = "", .help = "least correlation of the aligned region", .min = -1, .max = 1},
       options.min_correlation);
@@ -85,7 +91,7 @@ void visit_fields(FusedOptions& options, FieldVisitor& visitor) {
                 options.own_normal_deg);
   visitor.field({.key = "max_disagreement",
                  .unit = "",
-                 .help = "in sds of their difference; beyond it the more certain one stands alone",
+                 .help = "Mahalanobis distance from the most certain one, beyond which one is left out",
                  .min = 0.1,
                  .max = 1000},
                 options.max_disagreement);

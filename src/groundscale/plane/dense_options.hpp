@@ -39,7 +39,7 @@ struct FusedOptions {
   std::vector<double> variance_factors{};
   double own_height_sd = 0.01;    ///< Of each one's own error at least, of log height,
   double own_normal_deg = 0.15;   ///< and of the normal.
-  double max_disagreement = 3.0;  ///< In sds of the difference; beyond it the more certain one stands alone.
+  double max_disagreement = 5.0;  ///< Mahalanobis distance from the most certain one; beyond it one is left out.
 };
 
 void visit_fields(FusedOptions& options, FieldVisitor& visitor);

@@ -9,20 +9,25 @@ std::vector<std::string_view> names_of<PlaneRefinement>() {
   return {"levenberg_marquardt", "nelder_mead"};
 }
 
+template <>
+std::vector<std::string_view> names_of<PlaneStart>() {
+  return {"homography", "predicted"};
+}
+
 std::span<const PlaneMethod> plane_methods() {
   static constexpr std::array kMethods{
       PlaneMethod{"sparse", "symmetric homography transfer error of sparse matches (Zhou, Dai, Li 2019)",
                   make_memoryless<estimate_plane_sparse>},
       PlaneMethod{"triangulation", "height that most triangulated points have, normal given (Geiger et al. 2011)",
-                  make_memoryless<estimate_plane_triangulation>},
+                  make_memoryless<estimate_plane_triangulation>, true},
       PlaneMethod{"triangulation_ransac", "plane through triangulated points by RANSAC (Graeter et al. 2015)",
                   make_memoryless<estimate_plane_triangulation_ransac>},
       PlaneMethod{"decomposition", "homography decomposed into R, t and plane (Malis, Vargas 2007)",
-                  make_memoryless<estimate_plane_decomposition>},
+                  make_memoryless<estimate_plane_decomposition>, true},
       PlaneMethod{"joint", "R, t and plane together by the transfer error (Zhou, Dai, Li 2019, eq. 5)",
                   make_memoryless<estimate_plane_joint>},
       PlaneMethod{"delaunay", "low flat triangles of the image's points, mode over frames (Wang et al. 2018)",
-                  make_delaunay_method},
+                  make_delaunay_method, true},
   };
   return kMethods;
 }
@@ -61,6 +66,10 @@ void visit_fields(PlaneOptions& options, FieldVisitor& visitor) {
                  .max = 10000},
                 options.min_inliers);
   visitor.field({.key = "refinement", .unit = "", .help = "how the plane is refined"}, options.refinement);
+  visitor.field({.key = "start",
+                 .unit = "",
+                 .help = "of sparse: the plane of the homography, or the predicted one where there is one"},
+                options.start);
   visitor.group("ransac", options.ransac);
   visitor.group("triangulation", options.triangulation);
   visitor.group("triangulation_ransac", options.triangulation_ransac);

@@ -21,6 +21,9 @@ namespace groundscale {
 
 enum class PlaneRefinement { kLevenbergMarquardt, kNelderMead };
 
+/// Where `sparse` starts: at the plane of the road's homography, or at the predicted plane where there is one.
+enum class PlaneStart { kHomography, kPredicted };
+
 struct PlaneOptions {
   double max_epipolar_px = 0.7;  ///< Road points must agree with R, t this well.
   double max_error_px = 1.0;     ///< Symmetric transfer error of an inlier, each way.
@@ -31,6 +34,7 @@ struct PlaneOptions {
   double point_sd_px = 0.9;  ///< What a point is worth against the prior, since roads aren't planes.
   int min_inliers = 30;
   PlaneRefinement refinement = PlaneRefinement::kLevenbergMarquardt;
+  PlaneStart start = PlaneStart::kHomography;
   RansacOptions ransac{.min_trials = 20, .max_trials = 200, .confidence = 0.999};
   // Of single methods; what stands above is common to all that have such a thing.
   TriangulationPlaneOptions triangulation{};
@@ -66,6 +70,8 @@ struct PlaneMethod {
   std::string_view name;
   std::string_view summary;
   EstimatePlane (*make)(const PlaneOptions& options);
+  /// Its normal is given or isn't worth filtering: the paper's filter observes the height alone (GroundFilterOptions).
+  bool scale_alone = false;
 };
 
 /// `make` of a method that is a function of one frame.
@@ -78,8 +84,8 @@ EstimatePlane make_memoryless(const PlaneOptions& options) {
 std::span<const PlaneMethod> plane_methods();
 
 /// The paper's method (Zhou, Dai, Li 2019, Algorithm 1, steps 2 to 4): homography by RANSAC on the points that agree
-/// with the motion, linear start of m = n / h over all nine of its entries, then m alone by the symmetric transfer
-/// error
+/// with the motion, linear start of m = n / h over all nine of its entries (PlaneStart: or the predicted plane), then m
+/// alone by the symmetric transfer error
 ///   sum rho(|x2 - H x1|) + rho(|x1 - H^-1 x2|),  H = R + t m^T,  rho = Huber,
 /// in pixels through the camera model. Every further view adds the same terms for the same m.
 /// @return kTooFewMatches, kDegenerateMotion (view 1 has no baseline), kNotGround (the homography is no plane's).

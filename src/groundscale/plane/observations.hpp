@@ -45,8 +45,8 @@ struct RoadObservations {
   /// PlaneOptions::normal_prior_deg.
   Eigen::Vector3d expected_normal = Eigen::Vector3d::Zero();
   double normal_prior_factor = 1.0;  ///< By how much less is known of it than usual: on the prior's sd.
-  /// The plane as earlier frames let it be expected, in the unit of the translations: where a method that only looks
-  /// nearby starts.
+  /// The plane as earlier frames let it be expected, or a coarse search where they don't, in the unit of the
+  /// translations: where a method that only looks nearby starts.
   std::optional<GroundPlane> predicted_plane{};
   /// Covariance of (rotation vector left of R, two tangents of t) of view 1 where it is known, else zero.
   Eigen::Matrix<double, 5, 5> motion_covariance = Eigen::Matrix<double, 5, 5>::Zero();

@@ -19,7 +19,8 @@ Result<PlaneMeasurement> estimate_plane_sparse(const RoadObservations& observati
 
   PlaneMeasurement measurement;
   measurement.initial_plane = *initial;
-  Eigen::Vector3d m = initial->inverse_form();
+  const bool predicted = options.start == PlaneStart::kPredicted && observations.predicted_plane;
+  Eigen::Vector3d m = predicted ? observations.predicted_plane->inverse_form() : initial->inverse_form();
   PlaneSupport inliers;
   // The linear start lets in few points where the motion is small; each round lets in those of the better plane.
   constexpr int kRounds = 3;

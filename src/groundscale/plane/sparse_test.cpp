@@ -123,5 +123,27 @@ TEST(TransferError, DerivativesAgreeWithFiniteDifferences) {
   }
 }
 
+TEST(Sparse, StartsFromThePredictedPlaneWhereItIsToldTo) {
+  Rng rng(9);
+  RoadObservations observations = test_road(test_camera(), {.noise_px = 0.1}, rng);
+  PlaneOptions options;
+  Rng rng_a(1);
+  const auto plain = estimate_plane_sparse(observations, options, rng_a);
+  options.start = PlaneStart::kPredicted;
+  Rng rng_b(1);
+  const auto without = estimate_plane_sparse(observations, options, rng_b);
+  ASSERT_TRUE(plain && without);
+  EXPECT_EQ(without->plane.height, plain->plane.height);
+  observations.predicted_plane = {kTestRoad.normal_in_cam, 1.03 * kTestRoad.height};
+  Rng rng_c(1);
+  const auto near = estimate_plane_sparse(observations, options, rng_c);
+  ASSERT_TRUE(near) << near.error().message;
+  EXPECT_NEAR(near->plane.height / plain->plane.height, 1.0, 1e-3);  // the same minimum
+  // From a plane that is quite another nothing is found nearby.
+  observations.predicted_plane->height = 3.0 * kTestRoad.height;
+  Rng rng_d(1);
+  EXPECT_FALSE(estimate_plane_sparse(observations, options, rng_d));
+}
+
 }  // namespace
 }  // namespace groundscale

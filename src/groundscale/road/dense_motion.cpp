@@ -80,7 +80,7 @@ Result<PlaneMeasurement> estimate_fixed_plane(const RoadObservations& observatio
                                               Rng& rng) {
   if (const auto usable = check_pixels(observations); !usable) return usable.error();
   if (observations.expected_normal.isZero())
-    return Error{ErrorCode::kNotGround, "the plane is to be given, and no normal is"};
+    return Error{ErrorCode::kBadInput, "the plane is to be given, and no normal is"};
   auto first = alignment_start(observations, options, rng);
   if (!first) return first.error();
   const double unit = first->motion.translation.norm();

@@ -54,7 +54,7 @@ std::vector<Weighed> that_agree(std::vector<FusedPart> parts, const FusedOptions
     const Eigen::Vector3d difference =
         other.part.measurement.plane.inverse_form() - first.part.measurement.plane.inverse_form();
     const Eigen::Matrix3d sum = first.own + other.own;
-    return difference.dot(sum.inverse() * difference) / 3.0 > options.max_disagreement * options.max_disagreement;
+    return difference.dot(sum.inverse() * difference) > options.max_disagreement * options.max_disagreement;
   };
   all.erase(std::remove_if(all.begin() + 1, all.end(), disagrees), all.end());
   return all;
@@ -91,6 +91,8 @@ Result<std::vector<const PlaneMethod*>> fused_methods(const FusedOptions& option
     if (method == nullptr) {
       return Error{ErrorCode::kBadInput, fmt::format("\"{}\" can't be fused; known: {}", name, ground_method_names())};
     }
+    if (std::find(methods.begin(), methods.end(), method) != methods.end())
+      return Error{ErrorCode::kBadInput, fmt::format("\"{}\" is named twice", name)};
     methods.push_back(method);
   }
   if (methods.empty()) return Error{ErrorCode::kBadInput, "no method is named to be fused"};

@@ -23,7 +23,7 @@ struct FusedPart {
 /// which holds however the errors are correlated (by convexity) and is C_i where there is one measurement.
 ///
 /// The most certain part (log height by D_i) comes first; others enter, by certainty, where they agree with it:
-///   (m_i - m_1)^T (D_i + D_1)^-1 (m_i - m_1) / 3 <= max_disagreement^2.
+///   (m_i - m_1)^T (D_i + D_1)^-1 (m_i - m_1) <= max_disagreement^2.
 /// @param parts  At least one.
 PlaneMeasurement fuse_planes(std::vector<FusedPart> parts, const FusedOptions& options);
 

@@ -18,7 +18,7 @@ std::span<const PlaneMethod> ground_methods() {
     methods.push_back({"joint_dense", "the same with the motion free too (Zhou, Dai, Li 2019, eq. 5)",
                        make_memoryless<estimate_plane_joint_dense>});
     methods.push_back({"fixed_plane", "motion from the road's pixels, pitch, roll and height given (Lovegrove 2011)",
-                       make_memoryless<estimate_fixed_plane>});
+                       make_memoryless<estimate_fixed_plane>, true});
     methods.push_back({"fused", "several methods, weighted by what each knows by itself", make_fused});
     return methods;
   }();
