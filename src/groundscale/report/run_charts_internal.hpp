@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "groundscale/report/chart_internal.hpp"
@@ -30,5 +31,9 @@ std::string truth_figure(const RunFolder& run);      ///< Steps over true ones; 
 std::string pieces_figure(const std::vector<NamedRun>& runs);
 std::string sd_figure(const std::vector<NamedRun>& runs);     ///< Standard deviation of the online step, %.
 std::string pitch_figure(const std::vector<NamedRun>& runs);  ///< Of the road.
+std::string roll_figure(const std::vector<NamedRun>& runs);   ///< Of the road.
+
+/// Raw and filtered steps over those of what a run is compared with, moving ones. @param caption  Text above it.
+std::string ratio_figure(const RunFolder& run, const ComparedRun& compared, std::string_view caption);
 
 }  // namespace groundscale::internal

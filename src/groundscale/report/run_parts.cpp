@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -12,6 +13,8 @@
 
 namespace groundscale::internal {
 namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::string_view class_of(Grade grade) {
   switch (grade) {
@@ -115,6 +118,71 @@ std::vector<ReasonCount> reasons_of(const RunFolder& run) {
   std::stable_sort(reasons.begin(), reasons.end(),
                    [](const ReasonCount& a, const ReasonCount& b) { return a.count > b.count; });
   return reasons;
+}
+
+std::string facts_html(const RunFolder& run) {
+  const RunSummary& s = run.summary;
+  std::vector<std::pair<std::string, std::string>> pairs = {
+      {"drive", run.drive},
+      {"frames", fmt::format("{} to {}: {} moving, {} still, {} turning in place, {} bridged, {} lost", s.first_frame,
+                             s.first_frame + s.frames - 1, s.moving, s.still, s.rotating, s.bridged, s.lost)},
+      {"length", fmt::format("{:.1f} m", s.length_m)},
+      {"camera", s.camera_from},
+      {"camera height", fmt::format("{:.3f} m, from {}", s.camera_height_m, s.camera_height_from)},
+      {"mounting", fmt::format("pitch {:.2f}, roll {:.2f}, yaw {:.2f} degrees", s.mounting.pitch_rad / kDegree,
+                               s.mounting.roll_rad / kDegree, s.mounting.yaw_rad / kDegree)}};
+  if (!run.truth.empty()) pairs.emplace_back("truth", run.truth);
+  if (s.speed_log) {
+    pairs.emplace_back("speed log", fmt::format("{}: {} frames scaled by it", s.speed_log->file, s.speed_log->scaled));
+  }
+  pairs.emplace_back("seed", fmt::to_string(s.seed));
+  pairs.emplace_back("made by", "groundscale " + s.version);
+  return definitions(pairs);
+}
+
+std::string settings_html(const RunFolder& run) {
+  if (run.settings.empty()) {
+    return run.config_text.empty() ? "" : details("config.yaml", "<pre>" + escape_html(run.config_text) + "</pre>\n");
+  }
+  TextTable differing{.heading = {"key", "value", "default", "unit"}, .rows = {}, .cells = Cells::kWords};
+  TextTable usual{.heading = {"key", "value", "unit"}, .rows = {}, .cells = Cells::kWords};
+  for (const RunFolder::Setting& setting : run.settings) {
+    if (setting.differs()) {
+      differing.rows.push_back({setting.name, setting.value, setting.usual, setting.unit});
+    } else {
+      usual.rows.push_back({setting.name, setting.value, setting.unit});
+    }
+  }
+  return details(fmt::format("{} keys that differ from their defaults", differing.rows.size()), table_html(differing)) +
+         details(fmt::format("{} keys at their defaults", usual.rows.size()), table_html(usual));
+}
+
+std::string reasons_table(const std::vector<NamedRun>& runs) {
+  TextTable table{.heading = {"frames without an accepted measurement"}, .rows = {}};
+  std::vector<std::string> kinds;
+  std::vector<std::vector<ReasonCount>> reasons;
+  for (const NamedRun& named : runs) {
+    table.heading.push_back(named.name);
+    reasons.push_back(reasons_of(*named.run));
+    for (const ReasonCount& reason : reasons.back()) {
+      if (std::find(kinds.begin(), kinds.end(), reason.kind) == kinds.end()) kinds.push_back(reason.kind);
+    }
+  }
+  for (const std::string& kind : kinds) {
+    std::vector<std::string> cells = {kind};
+    for (const auto& own : reasons) {
+      const auto found =
+          std::find_if(own.begin(), own.end(), [&](const ReasonCount& reason) { return reason.kind == kind; });
+      cells.push_back(found == own.end() ? "0" : fmt::to_string(found->count));
+    }
+    table.rows.push_back(std::move(cells));
+  }
+  return table_html(table);
+}
+
+std::string styles_note(std::size_t runs) {
+  if (runs <= static_cast<std::size_t>(kCurveStyles)) return "";
+  return paragraph(fmt::format("There are more curves than kinds of them: every {}th looks alike.", kCurveStyles));
 }
 
 std::vector<std::string> short_names(const std::vector<RunFolder>& runs) {
