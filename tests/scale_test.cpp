@@ -1,15 +1,17 @@
 // `scale`: several ways to measure the ground on the same matches.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "bad_input_docs.hpp"
+#include "groundscale/evaluation/evaluate.hpp"
+#include "groundscale/evaluation/pairing.hpp"
 #include "groundscale/io/temp_folder_internal.hpp"
 #include "groundscale/report/test_markup_internal.hpp"
 #include "groundscale/road/ground_methods.hpp"
@@ -42,11 +44,11 @@ TEST(Scale, MeasuresByEveryMethodAndComparesThemWithTheTruth) {
   EXPECT_THAT(run.out, HasSubstr("step / true step - 1"));
 }
 
-/// A figure of `evaluate --json`, as the page has it.
-std::string percent(const nlohmann::json& json, const std::string& name, bool sign = false) {
-  const nlohmann::json& figure = json.at("figures").at(name);
-  const double value = figure.at("value").get<double>();
-  return sign ? fmt::format("{:+.2f}", value) : fmt::format("{:.2f}", value);
+/// Steps, bias, spread and 95th percentile as the page has them.
+std::string cells(const std::string& name, const std::optional<ScaleErrors>& errors) {
+  if (!errors) return "<th>" + name + "</th><td>0</td>";
+  return fmt::format("<th>{}</th><td>{}</td><td>{:+.2f}</td><td>{:.2f}</td><td>{:.2f}</td>", name, errors->steps,
+                     100.0 * errors->bias, 100.0 * errors->spread, 100.0 * errors->p95);
 }
 
 TEST(Scale, ItsPageHasTheFiguresOfEvaluate) {
@@ -60,19 +62,12 @@ TEST(Scale, ItsPageHasTheFiguresOfEvaluate) {
   const std::string html = read_text(folder / "output/report.html").value();
   EXPECT_EQ(internal::what_is_wrong(html), "");
   for (const std::string name : {"sparse", "triangulation", "dense"}) {
-    const ProgramRun evaluation =
-        run_program({"evaluate", folder / ("output/" + name), "--truth", truth, "--json", folder / (name + ".json")});
-    ASSERT_EQ(evaluation.status, 0) << evaluation.err;
-    const auto json = nlohmann::json::parse(read_text(folder / (name + ".json")).value());
-    // KIND: steps, bias, spread, 95 % within.
-    const auto cells = [&](const std::string& kind, const std::string& p95) {
-      return fmt::format("<th>{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td>", name,
-                         json.at("figures").at(kind + "scale_bias").at("count").get<int>(),
-                         percent(json, kind + "scale_bias", true), percent(json, kind + "scale_spread"),
-                         percent(json, kind + p95));
-    };
-    EXPECT_THAT(html, HasSubstr(cells("raw_", "p95")));
-    EXPECT_THAT(html, HasSubstr(cells("online_", "scale_error_p95")));
+    const auto paired = pair_drive({.estimate = folder / ("output/" + name), .truth = truth});
+    ASSERT_TRUE(paired) << paired.error().message;
+    const auto evaluation = evaluate(*paired, kitti_lengths_m());
+    ASSERT_TRUE(evaluation) << evaluation.error().message;
+    EXPECT_THAT(html, HasSubstr(cells(name, evaluation->raw_scale->all)));
+    EXPECT_THAT(html, HasSubstr(cells(name, evaluation->online_scale->all)));
     EXPECT_THAT(html, HasSubstr("<a href=\"" + name + "/report.html\">" + name + "</a>"));
     EXPECT_TRUE(std::filesystem::exists(folder / ("output/" + name + "/report.html")));
   }

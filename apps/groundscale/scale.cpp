@@ -238,6 +238,7 @@ Result<void> scale(const ScaleArguments& arguments) {
   if (!comparison) return comparison.error();
   if (const auto free = check_output_folder("--output", arguments.output, arguments.force); !free) return free;
   if (const auto made = make_output_folder("--output", arguments.output); !made) return made;
+  if (const auto removed = remove_other_methods(arguments, *methods); !removed) return removed;
 
   summary.source = config->run.source;
   summary.seed = config->odometry.seed;

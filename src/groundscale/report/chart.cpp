@@ -216,7 +216,11 @@ std::optional<Plot> plot_of(const Chart& chart) {
     const double margin = std::max(0.06 * (y.high - y.low), 1e-3 * size);
     // Ways begin at 0, even where their first value comes a little later.
     plot.low_x = x.low > 0.0 && x.low < 0.1 * x.high ? 0.0 : x.low;
-    plot.high_x = x.high > x.low ? x.high : x.low + 1.0;
+    plot.high_x = x.high;
+    if (!(x.high > x.low)) {
+      plot.low_x = x.low - 0.5;
+      plot.high_x = x.low + 0.5;
+    }
     plot.bottom_y = y.low - margin;
     plot.top_y = y.high + margin;
   }

@@ -27,9 +27,11 @@ h4 { font-size: 0.95rem; margin: 0.75rem 0 0.25rem; overflow-wrap: anywhere; }
 ul.findings { margin: 0.5rem 0; padding-left: 1.25rem; }
 .note { border: 1px solid #8a8a8a; padding: 0.4rem 0.7rem; }
 .wide { overflow-x: auto; }
+.wide + .wide { margin-top: 1rem; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: right; white-space: nowrap; padding: 0.3rem 0.4rem; vertical-align: top; border-top: 1px solid #dcdcdc; }
 thead th { border-top: none; }
+tr.groups th { text-align: center; }
 th:first-child, td.reason { text-align: left; white-space: normal; }
 tbody th, td.reason { overflow-wrap: anywhere; }
 table.text th, table.text td, th.text, td.text { text-align: left; white-space: normal; overflow-wrap: anywhere; }
@@ -105,6 +107,7 @@ img { display: block; max-width: 100%; height: auto; }
   .wide { overflow: visible; }
   .wide table { font-size: 0.8rem; }
   .wide th, .wide td { padding: 0.2rem 0.25rem; }
+  .wide table.many { font-size: 0.62rem; }
   img { max-height: 150mm; }
   figure.drawn img { width: auto; min-width: 0; }
   p, ul, ol, dl, pre, figure { max-width: none; }
@@ -115,8 +118,20 @@ img { display: block; max-width: 100%; height: auto; }
   svg.plot text { font-size: 17px; }
 }
 @media (max-width: 480px) { table { font-size: 0.8rem; } th, td { padding: 0.3rem 0.2rem; } }
-@container (max-width: 520px) { svg.plot text { font-size: 24px; } }
+@container (max-width: 560px) { svg.plot text { font-size: 24px; } }
 )";
+
+/// Names may be broken behind a '_'.
+std::string breakable(const std::string& markup) {
+  std::string html;
+  for (const char c : markup) {
+    html += c;
+    if (c == '_') html += "<wbr/>";
+  }
+  return html;
+}
+
+constexpr std::size_t kMany = 9;  // columns, from which on letters are smaller on paper
 
 std::string base64(std::string_view bytes) {
   constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -174,11 +189,17 @@ std::string table_html(const TextTable& table) {
   if (table.rows.empty()) return "";
   const std::string_view kind = table.cells == Cells::kWords     ? " class=\"text\""
                                 : table.cells == Cells::kFigures ? " class=\"figures\""
+                                : table.heading.size() > kMany   ? " class=\"many\""
                                                                  : "";
   std::string html = fmt::format("<div class=\"wide\">\n<table{}>\n", kind);
   if (!table.heading.empty()) {
-    html += "<thead><tr>";
-    for (const std::string& cell : table.heading) html += fmt::format("<th>{}</th>", escape_html(cell));
+    html += "<thead>";
+    if (!table.groups.empty()) html += "<tr class=\"groups\">";
+    for (const auto& [name, columns] : table.groups) {
+      html += fmt::format("<th colspan=\"{}\">{}</th>", columns, escape_html(name));
+    }
+    html += table.groups.empty() ? "<tr>" : "</tr>\n<tr>";
+    for (const std::string& cell : table.heading) html += "<th>" + breakable(escape_html(cell)) + "</th>";
     html += "</tr></thead>\n";
   }
   html += "<tbody>\n";

@@ -34,6 +34,8 @@ struct TextTable {
   std::vector<std::string> heading;
   std::vector<std::vector<std::string>> rows;
   Cells cells = Cells::kNumbers;
+  /// Above the heading: names, each over so many columns; none without.
+  std::vector<std::pair<std::string, int>> groups{};
   std::vector<std::string> addresses{};  ///< What the first cells of the rows lead to; none without.
 };
 /// "" without rows. It scrolls where it is wider than the page.

@@ -259,7 +259,7 @@ std::string map_figure(const RunFolder& run) {
   return chart_html(scales, "Scale in force") + chart_html(ratios, "Drift ratio");
 }
 
-std::string angle_figure(const RunFolder& run) {
+std::string angle_figure(const RunFolder& run, std::string_view caption) {
   const auto accepted = [](const FrameRow& row, const std::optional<double>& angle) {
     return row.accepted() ? angle : std::nullopt;
   };
@@ -277,7 +277,7 @@ std::string angle_figure(const RunFolder& run) {
                   .style = 1,
                   .points = without_gaps(points_of(run, [&](const FrameRow& r) { return accepted(r, r.roll_deg); }))}},
       .events = {}};
-  return chart_html(chart, "");
+  return chart_html(chart, caption);
 }
 
 std::string coverage_figure(const RunFolder& run) {
@@ -391,7 +391,6 @@ std::string ratio_figure(const RunFolder& run, const ComparedRun& compared, std:
   Chart chart{.name = "Steps over those of the reference by distance",
               .x_name = "distance, m",
               .y_name = "step ratio - 1, %",
-              .height = 180.0,
               .bands = {},
               .curves = {{.name = "raw, refused", .drawn = Drawn::kCrosses, .style = 4, .points = {}},
                          {.name = "raw", .drawn = Drawn::kRings, .style = 1, .points = {}},

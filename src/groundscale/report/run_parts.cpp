@@ -91,6 +91,25 @@ std::string sample_caption(const SampleFrame& sample, const RunFolder& run) {
   return text;
 }
 
+std::vector<std::string> counts_alone(const std::vector<std::pair<int, std::string>>& counts) {
+  std::vector<std::string> cells;
+  for (const auto& [count, name] : counts) cells.push_back(fmt::to_string(count));
+  return cells;
+}
+
+/// The sum, and who has how much of it, the largest first.
+std::vector<std::string> counts_in_words(std::vector<std::pair<int, std::string>> counts) {
+  std::stable_sort(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  int sum = 0;
+  std::string words;
+  for (const auto& [count, name] : counts) {
+    if (count == 0) break;
+    sum += count;
+    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", name, count);
+  }
+  return {fmt::to_string(sum), words};
+}
+
 }  // namespace
 
 std::string verdict_html(const RunVerdict& verdict) {
@@ -158,23 +177,31 @@ std::string settings_html(const RunFolder& run) {
 }
 
 std::string reasons_table(const std::vector<NamedRun>& runs) {
+  constexpr std::size_t kMostColumns = 4;  // of more runs it is told in words how often each had a reason
+  const bool in_words = runs.size() > kMostColumns;
   TextTable table{.heading = {"frames without an accepted measurement"}, .rows = {}};
+  if (in_words) {
+    table.cells = Cells::kFigures;
+    table.heading.insert(table.heading.end(), {"in all", "of them by"});
+  }
   std::vector<std::string> kinds;
   std::vector<std::vector<ReasonCount>> reasons;
   for (const NamedRun& named : runs) {
-    table.heading.push_back(named.name);
+    if (!in_words) table.heading.push_back(named.name);
     reasons.push_back(reasons_of(*named.run));
     for (const ReasonCount& reason : reasons.back()) {
       if (std::find(kinds.begin(), kinds.end(), reason.kind) == kinds.end()) kinds.push_back(reason.kind);
     }
   }
   for (const std::string& kind : kinds) {
-    std::vector<std::string> cells = {kind};
-    for (const auto& own : reasons) {
-      const auto found =
-          std::find_if(own.begin(), own.end(), [&](const ReasonCount& reason) { return reason.kind == kind; });
-      cells.push_back(found == own.end() ? "0" : fmt::to_string(found->count));
+    std::vector<std::pair<int, std::string>> counts;
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      const auto found = std::find_if(reasons[k].begin(), reasons[k].end(),
+                                      [&](const ReasonCount& reason) { return reason.kind == kind; });
+      counts.emplace_back(found == reasons[k].end() ? 0 : found->count, runs[k].name);
     }
+    std::vector<std::string> cells = in_words ? counts_in_words(std::move(counts)) : counts_alone(counts);
+    cells.insert(cells.begin(), kind);
     table.rows.push_back(std::move(cells));
   }
   return table_html(table);

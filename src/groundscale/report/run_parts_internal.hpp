@@ -32,7 +32,8 @@ std::string facts_html(const RunFolder& run);
 /// The configuration: first what differs from the defaults.
 std::string settings_html(const RunFolder& run);
 
-/// How often each run had no accepted measurement, a row a kind of reason; "" where there are none.
+/// How often each run had no accepted measurement, a row a kind of reason, a column a run or, of many, all in words; ""
+/// where there are none.
 std::string reasons_table(const std::vector<NamedRun>& runs);
 
 /// That there are more runs than kinds of curves; "" where there are not.

@@ -65,9 +65,10 @@ std::string address_of(const MethodRun& method) { return method.name() + "/repor
 std::string number(double value, int decimals) { return fmt::format("{:.{}f}", value, decimals); }
 
 std::string methods_table(const MethodsReport& report) {
-  TextTable table{.heading = {"method", "moving frames", "measured, %", "longest way without, m",
+  TextTable table{.heading = {"method", "moving frames", "of them measured, %", "longest way without, m",
                               "sd of the filtered step, median %", "ms a frame, median", "95 % below"},
                   .rows = {}};
+  if (report.by_truth()) table.heading.emplace_back("coverage by the truth, %");
   for (const MethodRun& method : report.methods) {
     const RunSummary& s = method.run.summary;
     const std::optional<double> sd = median_relative_sd(method.run);
@@ -77,12 +78,18 @@ std::string methods_table(const MethodsReport& report) {
                           number(longest_gap_m(method.run), 0), sd ? number(100.0 * *sd, 2) : kNothing,
                           times.empty() ? kNothing : number(median(times), 2),
                           times.empty() ? kNothing : number(quantile(times, 0.95), 2)});
+    if (report.by_truth()) {
+      const auto& coverage = method.run.compared->evaluation.coverage;
+      const bool known = coverage && coverage->accepted.of > 0;
+      table.rows.back().push_back(known ? number(100.0 * coverage->accepted.value(), 1) : kNothing);
+    }
     table.addresses.push_back(address_of(method));
   }
-  return internal::table_html(table) +
-         paragraph(
-             "A method's name leads to the page of its own run. Its time is that of the method alone, without matching "
-             "and motion.");
+  std::string note =
+      "A method's name leads to the page of its own run. Its time is that of the method alone, without matching and "
+      "motion. Frames move where the odometry says so";
+  note += report.by_truth() ? "; coverage is the share of steps measured among those that move by the truth." : ".";
+  return internal::table_html(table) + paragraph(note);
 }
 
 void add_errors(const std::optional<ScaleErrors>& errors, std::vector<std::string>& cells) {
@@ -96,9 +103,10 @@ void add_errors(const std::optional<ScaleErrors>& errors, std::vector<std::strin
 /// Errors of all methods, straights and turns apart. @param of  Of single measurements, or of the filtered steps.
 std::string errors_table(const MethodsReport& report, const std::string& what,
                          std::optional<ScaleFigures> Evaluation::*of) {
-  TextTable table{.heading = {what}, .rows = {}};
-  for (const std::string part : {"", "straights: ", "turns: "}) {
-    for (const char* figure : {"steps", "bias %", "spread %", "95 % within %"}) table.heading.push_back(part + figure);
+  TextTable table{.heading = {what}, .rows = {}, .groups = {{"", 1}}};
+  for (const char* part : {"all", "straights", "turns"}) {
+    table.groups.emplace_back(part, 4);
+    for (const char* figure : {"steps", "bias %", "spread %", "95 % within %"}) table.heading.emplace_back(figure);
   }
   for (const MethodRun& method : report.methods) {
     const ComparedRun* compared = method.compared();
@@ -132,7 +140,7 @@ std::string charts(const MethodsReport& report) {
     if (compared != nullptr) {
       html += internal::ratio_figure(method.run, *compared, "Steps over " + reference_of(report) + ", less 1");
     }
-    const std::string angles = internal::angle_figure(method.run);
+    const std::string angles = internal::angle_figure(method.run, "Pitch and roll of the road");
     html += (angles.empty() ? paragraph("No accepted measurement.") : angles) + "</div>\n";
   }
   return html;

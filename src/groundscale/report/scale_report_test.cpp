@@ -144,7 +144,7 @@ TEST(MethodsPage, HasAllThatAReportHas) {
   EXPECT_EQ(what_is_wrong(html), "");
   for (const char* part :
        {"Scale by 2 methods", "<dt>camera height</dt>", "Trajectory from above", "src=\"data:image/jpeg;base64,",
-        "<li>careful</li>", "1 keys that differ from their defaults", "road.region.near_m",
+        "<li>careful</li>", "2 keys that differ from their defaults", "road.region.near_m",
         "<a href=\"dense/report.html\">dense</a></th><td>41</td><td>73.2</td>", "tracking</text>", "1.50 ms",
         "21.00 ms", "frames without an accepted measurement",
         "speed ... m/s, too low &lt;b&gt;</th><td>0</td><td>10</td>"}) {
@@ -154,6 +154,22 @@ TEST(MethodsPage, HasAllThatAReportHas) {
   EXPECT_EQ(occurrences(html, "aria-label=\"Pitch and roll of the road by distance\""), 2);
   EXPECT_EQ(occurrences(html, "</svg>pitch</li>"), 2);
   EXPECT_EQ(occurrences(html, "</svg>roll</li>"), 2);
+}
+
+TEST(MethodsPage, TellsReasonsOfManyMethodsInWords) {
+  const TempFolder folder;
+  WrittenRun{.frames = kFrames}.write(folder, "out");
+  std::string csv = "method,time_ms\n";
+  for (int k = 0; k < 5; ++k) {
+    const std::string name = fmt::format("m_{}", k);
+    WrittenRun{.frames = kFrames, .refused_from = kFrames - k}.write(folder, "out/" + name);
+    csv += name + ",1\n";
+  }
+  folder.file("out/methods.csv", csv);
+  const std::string html = page_of(folder);
+  EXPECT_EQ(what_is_wrong(html), "");
+  EXPECT_THAT(html, HasSubstr("too low &lt;b&gt;</th><td>10</td><td>m_4 4, m_3 3, m_2 2, m_1 1</td></tr>"));
+  EXPECT_THAT(html, HasSubstr("<th>first frame</th><td>5</td>"));
 }
 
 TEST(MethodsPage, SaysThatATruthIsGone) {
