@@ -109,7 +109,7 @@ std::string draw_command(const Plot& plot) {
 /// Lines that the key needs below the axis: gnuplot gives each title the room of the longest.
 std::size_t key_lines(const Plot& plot) {
   constexpr std::size_t kLetters = 80;  // a line of the SVG file holds, the narrower of both
-  constexpr std::size_t kSample = 6;     // letters' room of a curve's sample
+  constexpr std::size_t kSample = 6;    // letters' room of a curve's sample
   std::size_t titles = 0;
   std::size_t longest = 0;
   for (const Curve& curve : plot.curves) {
