@@ -204,7 +204,7 @@ INSTANTIATE_TEST_SUITE_P(
                  return std::vector<std::string>{runs() / "keyframe", "--truth",
                                                  f.file("short.txt", SyntheticDrive().truth(3))};
                },
-               "--truth: "},
+               "has 3 rows (0 to 2); a row for every frame of the drive is needed, the first for frame 0"},
         BadRow{"report with one truth for two drives",
                [](const TempFolder&) {
                  return std::vector<std::string>{runs() / "keyframe", runs() / "elsewhere", "--truth",
@@ -227,6 +227,12 @@ INSTANTIATE_TEST_SUITE_P(
                  return std::vector<std::string>{runs() / "keyframe", "--output", f / "none/page.html"};
                },
                ": there is no folder "},
+        BadRow{"report into what is a folder",
+               [](const TempFolder& f) {
+                 fs::create_directories(f / "folder");
+                 return std::vector<std::string>{runs() / "keyframe", "--force", "--output", f / "folder"};
+               },
+               ": is a folder, a file is needed"},
         BadRow{"report that can't be written",
                [](const TempFolder& f) {
                  fs::create_directories(f / "page.html.part");  // where it is written before it is renamed

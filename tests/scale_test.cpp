@@ -1,14 +1,19 @@
 // `scale`: several ways to measure the ground on the same matches.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "bad_input_docs.hpp"
+#include "groundscale/evaluation/evaluate.hpp"
+#include "groundscale/evaluation/pairing.hpp"
 #include "groundscale/io/temp_folder_internal.hpp"
+#include "groundscale/report/test_markup_internal.hpp"
 #include "groundscale/road/ground_methods.hpp"
 #include "program.hpp"
 #include "synthetic_drive.hpp"
@@ -37,6 +42,63 @@ TEST(Scale, MeasuresByEveryMethodAndComparesThemWithTheTruth) {
     EXPECT_EQ(evaluation.status, 0) << evaluation.err;
   }
   EXPECT_THAT(run.out, HasSubstr("step / true step - 1"));
+}
+
+/// Steps, bias, spread and 95th percentile as the page has them.
+std::string cells(const std::string& name, const std::optional<ScaleErrors>& errors) {
+  if (!errors) return "<th>" + name + "</th><td>0</td>";
+  return fmt::format("<th>{}</th><td>{}</td><td>{:+.2f}</td><td>{:.2f}</td><td>{:.2f}</td>", name, errors->steps,
+                     100.0 * errors->bias, 100.0 * errors->spread, 100.0 * errors->p95);
+}
+
+TEST(Scale, ItsPageHasTheFiguresOfEvaluate) {
+  const internal::TempFolder folder;
+  const SyntheticDrive drive;
+  drive.write_kitti(folder / "drive", kFrames);
+  const std::string truth = folder.file("truth.txt", drive.truth(kFrames));
+  const ProgramRun run = run_program({"scale", folder / "drive", "--output", folder / "output", "--truth", truth,
+                                      "--methods", "sparse,triangulation,dense"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const std::string html = read_text(folder / "output/report.html").value();
+  EXPECT_EQ(internal::what_is_wrong(html), "");
+  for (const std::string name : {"sparse", "triangulation", "dense"}) {
+    const auto paired = pair_drive({.estimate = folder / ("output/" + name), .truth = truth});
+    ASSERT_TRUE(paired) << paired.error().message;
+    const auto evaluation = evaluate(*paired, kitti_lengths_m());
+    ASSERT_TRUE(evaluation) << evaluation.error().message;
+    EXPECT_THAT(html, HasSubstr(cells(name, evaluation->raw_scale->all)));
+    EXPECT_THAT(html, HasSubstr(cells(name, evaluation->online_scale->all)));
+    EXPECT_THAT(html, HasSubstr("<a href=\"" + name + "/report.html\">" + name + "</a>"));
+    EXPECT_TRUE(std::filesystem::exists(folder / ("output/" + name + "/report.html")));
+  }
+  for (const char* part : {"Nearest to the truth: ", "</svg>roll</li>", "<h2>Configuration</h2>", "tracking</text>",
+                           "among the worst: step "}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+}
+
+TEST(Scale, WithForceTakesAwayTheMethodsOfAnEarlierOneAndNothingElse) {
+  const internal::TempFolder folder;
+  SyntheticDrive{}.write_kitti(folder / "drive", 4);
+  const auto scale = [&](const std::string& methods) {
+    return run_program({"scale", folder / "drive", "--output", folder / "output", "--force", "--methods", methods});
+  };
+  ASSERT_EQ(scale("sparse,triangulation,decomposition").status, 0);
+  folder.file("output/decomposition/mine.txt", "kept");
+  folder.file("output/dense/mine.txt", "a method's name, but no run");
+  folder.file("output/notes/summary.json", "no method's name");
+  const ProgramRun run = scale("sparse");
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(read_text(folder / "output/methods.csv").value(), testing::Not(HasSubstr("triangulation")));
+  EXPECT_TRUE(std::filesystem::exists(folder / "output/sparse/summary.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "output/triangulation"));
+  std::vector<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "output/decomposition")) {
+    left.push_back(entry.path().filename().string());
+  }
+  EXPECT_THAT(left, testing::ElementsAre("mine.txt"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "output/dense/mine.txt"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "output/notes/summary.json"));
 }
 
 TEST(Scale, TakesOnlyTheMethodsThatAreNamed) {

@@ -149,6 +149,13 @@ Result<Trajectory> open_truth(const std::string& path, const Sequence& sequence)
                                                  path, truth->size(), needed - 1, needed)};
 }
 
+std::optional<double> true_step_m(const Trajectory& truth, int frame) {
+  if (frame < 1 || frame >= truth.size()) return std::nullopt;
+  const auto& poses = truth.world_from_cam;
+  const auto row = static_cast<std::size_t>(frame);
+  return (poses[row].translation - poses[row - 1].translation).norm();
+}
+
 std::string config_in_force(RunConfig config, const Sequence& sequence, const RunSummary& summary) {
   config.run.camera = summary.camera_from;
   config.run.camera_height_m = summary.camera_height_m;

@@ -62,6 +62,9 @@ Result<CameraSetup> metric_camera(const SourceArguments& arguments, const RunSou
 /// Found out before the work: a truth of all frames; an empty one where none is named.
 Result<Trajectory> open_truth(const std::string& path, const Sequence& sequence);
 
+/// Distance from the frame before; nothing without truth or for the first of all.
+std::optional<double> true_step_m(const Trajectory& truth, int frame);
+
 /// For config.yaml: what was left to be found is filled in.
 std::string config_in_force(RunConfig config, const Sequence& sequence, const RunSummary& summary);
 

@@ -62,14 +62,6 @@ struct Drive {
   const Trajectory& truth;  ///< Empty where there is none.
 };
 
-/// Distance from the frame before; nothing without truth or for the first of all.
-std::optional<double> true_step_m(const Trajectory& truth, int frame) {
-  if (frame < 1 || frame >= truth.size()) return std::nullopt;
-  const auto& poses = truth.world_from_cam;
-  const auto row = static_cast<std::size_t>(frame);
-  return (poses[row].translation - poses[row - 1].translation).norm();
-}
-
 Result<void> carry_out(const Drive& drive, RunWriter& writer, const RunArguments& arguments, RunSummary& summary,
                        SampleFrames& samples) {
   auto& [sequence, camera, masks, odometry, truth] = drive;

@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <numeric>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -46,23 +49,73 @@ struct Drive {
   const Camera& camera;
   const std::optional<RoadMasks>& masks;
   MethodComparison& comparison;
+  const Trajectory& truth;  ///< Empty where there is none.
 };
 
-/// Takes all frames. @return warnings.
-std::vector<std::string> carry_out(const Drive& drive, bool quiet, SampleFrames& samples) {
-  auto& [sequence, camera, masks, comparison] = drive;
-  std::vector<std::string> warnings;
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Takes all frames; times and warnings go into the summary.
+void carry_out(const Drive& drive, bool quiet, RunSummary& summary, SampleFrames& samples) {
+  auto& [sequence, camera, masks, comparison, truth] = drive;
   Progress progress(!quiet, sequence.frame_count());
-  int done = 0;
-  while (const std::optional<Frame> frame = sequence.next()) {
-    if (frame->image.empty()) warnings.push_back(fmt::format("frame {}: {}", frame->index, frame->problem));
-    comparison.advance(*frame, mask_of(*frame, masks, warnings));
-    samples.take(*frame, comparison.front(), camera, std::nullopt);
-    progress.show(++done, "");
+  const auto start = std::chrono::steady_clock::now();
+  double decoding_s = 0.0;
+  std::vector<double> frame_ms;
+  while (true) {
+    const auto frame_start = std::chrono::steady_clock::now();
+    const std::optional<Frame> frame = sequence.next();
+    if (!frame) break;
+    decoding_s += seconds_since(frame_start);
+    if (frame->image.empty()) summary.warnings.push_back(fmt::format("frame {}: {}", frame->index, frame->problem));
+    comparison.advance(*frame, mask_of(*frame, masks, summary.warnings));
+    frame_ms.push_back(1e3 * seconds_since(frame_start));
+    samples.take(*frame, comparison.front(), camera, true_step_m(truth, frame->index));
+    progress.show(static_cast<int>(frame_ms.size()), "");
   }
   comparison.finish();
-  for (const std::string& warning : sequence.warnings()) warnings.push_back(warning);
-  return warnings;
+  for (const std::string& warning : sequence.warnings()) summary.warnings.push_back(warning);
+  summary.wall_s = seconds_since(start);
+  const double count = std::max<double>(1.0, static_cast<double>(frame_ms.size()));
+  summary.stage_ms.emplace_back("waiting for images", 1e3 * decoding_s / count);
+  for (const auto& [stage, seconds] : comparison.front().clock().seconds()) {
+    summary.stage_ms.emplace_back(stage, 1e3 * seconds / count);
+  }
+  if (frame_ms.empty()) return;
+  summary.median_ms = median(frame_ms);
+  summary.p95_ms = quantile(frame_ms, 0.95);
+}
+
+/// The summary of a method's own run: its time is its own, not what all methods have in common.
+RunSummary summary_of(const ComparedMethod& method, RunSummary summary) {
+  summary.wall_s = summary.median_ms = summary.p95_ms = 0.0;
+  const std::vector<double>& times = method.time_ms();
+  const double sum_ms = std::accumulate(times.begin(), times.end(), 0.0);
+  summary.stage_ms = {{std::string(method.name()), sum_ms / std::max<double>(1.0, static_cast<double>(times.size()))}};
+  return summary;
+}
+
+/// Whether a folder of a method's name holds a run: what an earlier `scale` wrote.
+bool holds_run(const std::string& folder) {
+  std::error_code ignored;
+  const auto is_there = [&](const char* file) { return fs::is_regular_file(fs::path(folder) / file, ignored); };
+  return is_there("online.kitti") && is_there("frames.csv") && is_there("config.yaml") && is_there("summary.json");
+}
+
+/// Runs of methods that an earlier `scale` took and this one doesn't; what else lies in their folders stays.
+Result<void> remove_other_methods(const ScaleArguments& arguments, const std::vector<PlaneMethod>& methods) {
+  for (const PlaneMethod& known : ground_methods()) {
+    const auto same = [&known](const PlaneMethod& method) { return method.name == known.name; };
+    const std::string folder = folder_of(arguments, known.name);
+    if (std::any_of(methods.begin(), methods.end(), same) || !holds_run(folder)) continue;
+    // A new run takes the old one's place, and of the new one there are no more than two files.
+    if (const auto writer = RunWriter::create(folder, /*force=*/true); !writer) return writer.error();
+    std::error_code ignored;
+    for (const char* file : {"online.kitti", "online.tum"}) fs::remove(fs::path(folder) / file, ignored);
+    fs::remove(folder, ignored);  // which does nothing where something is left in it
+  }
+  return {};
 }
 
 /// What somebody has made of a drive, as a run's folder.
@@ -83,7 +136,7 @@ Result<void> write(const ScaleArguments& arguments, const RunConfig& config, con
   for (const ComparedMethod& method : comparison.methods()) {
     RunConfig own = config;
     own.odometry.ground.method = method.name();
-    const auto done = write_run(folder_of(arguments, method.name()), method, summary,
+    const auto done = write_run(folder_of(arguments, method.name()), method, summary_of(method, summary),
                                 config_in_force(std::move(own), sequence, summary));
     if (!done) return done;
   }
@@ -177,13 +230,15 @@ Result<void> scale(const ScaleArguments& arguments) {
   if (!sequence) return sequence.error();
   const auto setup = metric_camera(arguments.source, config->run, **sequence, summary);
   if (!setup) return setup.error();
-  if (const auto truth = open_truth(arguments.truth, **sequence); !truth) return truth.error();
+  const auto truth = open_truth(arguments.truth, **sequence);
+  if (!truth) return truth.error();
   const auto masks = open_masks(config->run.road_masks, **sequence);
   if (!masks) return masks.error();
   auto comparison = MethodComparison::create(*setup, config->odometry, *methods);
   if (!comparison) return comparison.error();
   if (const auto free = check_output_folder("--output", arguments.output, arguments.force); !free) return free;
   if (const auto made = make_output_folder("--output", arguments.output); !made) return made;
+  if (const auto removed = remove_other_methods(arguments, *methods); !removed) return removed;
 
   summary.source = config->run.source;
   summary.seed = config->odometry.seed;
@@ -192,10 +247,7 @@ Result<void> scale(const ScaleArguments& arguments) {
   if (!summary.has_times) summary.warnings.emplace_back("the source has no times: 10 frames a second are assumed");
   if (!arguments.truth.empty()) summary.truth = fs::absolute(arguments.truth).string();
   SampleFrames samples((*sequence)->frame_count());
-  const Drive drive{**sequence, *setup->camera, *masks, *comparison};
-  for (std::string& warning : carry_out(drive, arguments.quiet, samples)) {
-    summary.warnings.push_back(std::move(warning));
-  }
+  carry_out({**sequence, *setup->camera, *masks, *comparison, *truth}, arguments.quiet, summary, samples);
   if (const auto done = write(arguments, *config, **sequence, *comparison, summary); !done) return done;
   if (const auto done = write_reports(arguments, *comparison, samples); !done) return done;
   for (const std::string& warning : summary.warnings) say("warning: " + warning);

@@ -133,9 +133,9 @@ Result<std::vector<int>> rows_by_number(const Estimate& estimate, const PairingR
     rows.push_back((estimate.frames.empty() ? request.skip + k : estimate.frames[k].frame) + request.truth_offset);
   }
   if (rows.front() >= 0 && rows.back() < rows_of_truth) return rows;
-  return bad_input(fmt::format("{} needs rows {} to {} of the truth, {} has {} rows (0 to {}); see --truth-offset",
-                               request.estimate, rows.front(), rows.back(), request.truth, rows_of_truth,
-                               rows_of_truth - 1));
+  return bad_input(fmt::format("{} needs rows {} to {} of the truth, {} has {} rows (0 to {}); {}", request.estimate,
+                               rows.front(), rows.back(), request.truth, rows_of_truth, rows_of_truth - 1,
+                               request.advice));
 }
 
 /// The same by time. Both times never fall.

@@ -16,6 +16,8 @@ struct PairingRequest {
   std::string truth;     ///< A trajectory file (KITTI or TUM rows).
   int truth_offset = 0;  ///< Row (or, from a run's folder, frame) i of the estimate is row i + this of the truth.
   int skip = 0;          ///< So many first rows of the estimate are left out.
+  /// What the caller's user can do where the truth lacks rows; ends the message.
+  std::string advice = "see --truth-offset";
 };
 
 /// Rows of estimate and truth that belong together, all of one length.

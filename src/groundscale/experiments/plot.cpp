@@ -106,6 +106,21 @@ std::string draw_command(const Plot& plot) {
   return text + "\n";
 }
 
+/// Lines that the key needs below the axis: gnuplot gives each title the room of the longest.
+std::size_t key_lines(const Plot& plot) {
+  constexpr std::size_t kLetters = 80;  // a line of the SVG file holds, the narrower of both
+  constexpr std::size_t kSample = 6;    // letters' room of a curve's sample
+  std::size_t titles = 0;
+  std::size_t longest = 0;
+  for (const Curve& curve : plot.curves) {
+    if (curve.title.empty() || !has_points(plot, curve)) continue;
+    ++titles;
+    longest = std::max(longest, curve.title.size());
+  }
+  const std::size_t in_a_line = std::max<std::size_t>(1, kLetters / (longest + kSample));
+  return std::max<std::size_t>(1, (titles + in_a_line - 1) / in_a_line);
+}
+
 /// Whether a file holds exactly this.
 bool holds(const fs::path& path, const std::string& text) {
   const auto present = read_text(path.string());
@@ -126,12 +141,9 @@ std::string plot_script(const Plot& plot) {
   text += "set datafile separator ','\nset encoding utf8\n";
   text += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", quoted(plot.title), quoted(plot.x_label),
                       quoted(plot.y_label));
-  // The key has three titles a line below the axis and its label.
-  const auto titles =
-      std::count_if(plot.curves.begin(), plot.curves.end(), [](const Curve& curve) { return !curve.title.empty(); });
   text += fmt::format(
       "set grid linetype 1 linecolor rgb '#dddddd'\nset key outside bottom center horizontal\nset bmargin {}\n",
-      5 + (std::max<std::ptrdiff_t>(titles, 1) - 1) / 3);
+      4 + key_lines(plot));
   if (plot.equal_axes) text += equal_ranges(plot);
   for (const std::string& setting : plot.settings) text += setting + "\n";
   text += fmt::format(

@@ -38,6 +38,18 @@ std::string mark_path(Drawn drawn, double x, double y) {
       return fmt::format("M{}l6 6m0 -6l-6 6", at(-3.0, -3.0));
     case Drawn::kSquares:
       return fmt::format("M{}h5v5h-5z", at(-2.5, -2.5));
+    case Drawn::kTriangles:
+      return fmt::format("M{}l3.5 6h-7z", at(0.0, -3.5));
+    case Drawn::kDiamonds:
+      return fmt::format("M{}l3 4l-3 4l-3 -4z", at(0.0, -4.0));
+    case Drawn::kPluses:
+      return fmt::format("M{}h7m-3.5 -3.5v7", at(-3.5, 0.0));
+    case Drawn::kWedges:
+      return fmt::format("M{}h7l-3.5 6z", at(-3.5, -2.5));
+    case Drawn::kDashes:
+      return fmt::format("M{}h8", at(-4.0, 0.0));
+    case Drawn::kUprights:
+      return fmt::format("M{}v8", at(0.0, -4.0));
   }
   return "";
 }
@@ -177,7 +189,7 @@ Span y_span(const Chart& chart) {
 /// As wide and as high as it may be where a metre is the same in both.
 void make_equal(const Span& x, const Span& y, Plot& plot) {
   constexpr double kHighest = 520.0;
-  constexpr double kLowest = 120.0;
+  constexpr double kLowest = 140.0;
   const double margin = 0.04 * std::max({x.high - x.low, y.high - y.low, 1e-6});
   const double width_m = x.high - x.low + 2.0 * margin;
   const double height_m = y.high - y.low + 2.0 * margin;
@@ -204,7 +216,11 @@ std::optional<Plot> plot_of(const Chart& chart) {
     const double margin = std::max(0.06 * (y.high - y.low), 1e-3 * size);
     // Ways begin at 0, even where their first value comes a little later.
     plot.low_x = x.low > 0.0 && x.low < 0.1 * x.high ? 0.0 : x.low;
-    plot.high_x = x.high > x.low ? x.high : x.low + 1.0;
+    plot.high_x = x.high;
+    if (!(x.high > x.low)) {
+      plot.low_x = x.low - 0.5;
+      plot.high_x = x.low + 0.5;
+    }
     plot.bottom_y = y.low - margin;
     plot.top_y = y.high + margin;
   }
@@ -212,20 +228,23 @@ std::optional<Plot> plot_of(const Chart& chart) {
   return plot;
 }
 
-std::string key_item(const std::string& shape, std::string_view name) {
-  return fmt::format("<li><svg class=\"key\" viewBox=\"0 0 40 14\" aria-hidden=\"true\">{}</svg>{}</li>\n", shape,
-                     escape_html(name));
+/// @param width  Of the shape, in its own units.
+std::string key_item(const std::string& shape, std::string_view name, double width = 40.0) {
+  return fmt::format("<li><svg class=\"key\" viewBox=\"0 0 {} 14\" aria-hidden=\"true\">{}</svg>{}</li>\n", width,
+                     shape, escape_html(name));
 }
 
 std::string keys_html(const Chart& chart) {
+  constexpr double kLine = 80.0;  // shows any dashes more than once
   std::string items;
   for (const ChartCurve& curve : chart.curves) {
     if (curve.name.empty() || curve.points.empty()) continue;
+    const bool line = curve.drawn == Drawn::kLine;
     const std::string path =
-        curve.drawn == Drawn::kLine
-            ? "M0 7H40"
-            : mark_path(curve.drawn, 8.0, 7.0) + mark_path(curve.drawn, 20.0, 7.0) + mark_path(curve.drawn, 32.0, 7.0);
-    items += key_item(fmt::format("<path class=\"{}\" d=\"{}\"/>", style_class(curve), path), curve.name);
+        line ? fmt::format("M0 7H{}", kLine)
+             : mark_path(curve.drawn, 8.0, 7.0) + mark_path(curve.drawn, 20.0, 7.0) + mark_path(curve.drawn, 32.0, 7.0);
+    items += key_item(fmt::format("<path class=\"{}\" d=\"{}\"/>", style_class(curve), path), curve.name,
+                      line ? kLine : 40.0);
   }
   for (const ChartBand& band : chart.bands) {
     if (!band.ranges.empty()) items += key_item("<path class=\"band\" d=\"M0 1H40V13H0Z\"/>", band.name);
@@ -251,6 +270,13 @@ std::string captioned(std::string_view caption, const std::string& content) {
 }
 
 }  // namespace
+
+Drawn mark_of(int style) {
+  constexpr Drawn kMarks[kCurveStyles] = {Drawn::kRings,     Drawn::kCrosses,  Drawn::kSquares, Drawn::kDots,
+                                          Drawn::kTriangles, Drawn::kDiamonds, Drawn::kPluses,  Drawn::kWedges,
+                                          Drawn::kDashes,    Drawn::kUprights};
+  return kMarks[style % kCurveStyles];
+}
 
 std::string svg_line(double x1, double y1, double x2, double y2, std::string_view shape) {
   return fmt::format("<line class=\"{}\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n", shape, coordinate(x1),
@@ -287,7 +313,9 @@ std::string axes(const Plot& plot, std::string_view x_name, std::string_view y_n
   svg += fmt::format("<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n", coordinate(kLeft),
                      coordinate(kTop), coordinate(plot.width), coordinate(plot.height));
   svg += svg_text(kLeft + 0.5 * plot.width, bottom + 52.0, "middle", x_name);
-  const double middle = kTop + 0.5 * plot.height;
+  // A long name beside a low plot is moved rather than cut off; narrow figures have letters of about 13 units.
+  const double half = std::min(6.5 * static_cast<double>(y_name.size()), 0.5 * (bottom + kBottom));
+  const double middle = std::clamp(kTop + 0.5 * plot.height, half, bottom + kBottom - half);
   svg += fmt::format("<g transform=\"translate(20 {}) rotate(-90)\">{}</g>\n", coordinate(middle),
                      svg_text(0.0, 0.0, "middle", y_name));
   return svg;

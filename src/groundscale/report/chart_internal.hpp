@@ -39,8 +39,22 @@ struct ChartPoint {
   double y = 0.0;
 };
 
-enum class Drawn { kLine, kDots, kRings, kCrosses, kSquares };
-inline constexpr int kCurveStyles = 8;
+enum class Drawn {
+  kLine,
+  kDots,
+  kRings,
+  kCrosses,
+  kSquares,
+  kTriangles,
+  kDiamonds,
+  kPluses,
+  kWedges,
+  kDashes,
+  kUprights
+};
+inline constexpr int kCurveStyles = 10;
+/// The marks that go with a style: other shapes for other styles.
+Drawn mark_of(int style);
 inline constexpr int kTruthStyle = -1;  ///< Broad and grey, to lie beneath others.
 
 struct ChartCurve {

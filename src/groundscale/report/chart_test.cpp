@@ -1,7 +1,10 @@
 #include <cmath>
 #include <limits>
 #include <regex>
+#include <set>
+#include <string>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -73,7 +76,9 @@ TEST(Thinned, KeepsEndsExtremesAndGaps) {
 TEST(ChartHtml, IsWellFormedForEveryKindOfCurve) {
   std::vector<ChartCurve> curves;
   int style = kTruthStyle;
-  for (const Drawn drawn : {Drawn::kLine, Drawn::kDots, Drawn::kRings, Drawn::kCrosses, Drawn::kSquares}) {
+  for (const Drawn drawn :
+       {Drawn::kLine, Drawn::kDots, Drawn::kRings, Drawn::kCrosses, Drawn::kSquares, Drawn::kTriangles,
+        Drawn::kDiamonds, Drawn::kPluses, Drawn::kWedges, Drawn::kDashes, Drawn::kUprights}) {
     curves.push_back({"<name>", drawn, style++, wave(20)});
   }
   Chart chart = chart_of(curves);
@@ -84,7 +89,34 @@ TEST(ChartHtml, IsWellFormedForEveryKindOfCurve) {
   const std::string html = chart_html(chart, "caption <b>");
   EXPECT_EQ(what_is_wrong(page("t", html)), "");
   EXPECT_THAT(html, Not(HasSubstr("nan")));
-  EXPECT_EQ(occurrences(html, "&lt;name&gt;"), 5);
+  EXPECT_EQ(occurrences(html, "&lt;name&gt;"), 11);
+}
+
+TEST(ChartHtml, EveryStyleHasDashesOrABreadthOfItsOwn) {
+  const std::string style = page("t", "");
+  std::set<std::string> seen;
+  std::set<Drawn> marks;
+  for (int k = 0; k < kCurveStyles; ++k) {
+    // Colours apart: what is left in grey. The first style is a line as it comes.
+    std::smatch own;
+    const std::regex rule(fmt::format("\\n\\.curve\\.s{} \\{{ ([^}}]*)\\}}", k));
+    EXPECT_EQ(std::regex_search(style, own, rule), k > 0) << k;
+    seen.insert(k > 0 ? own[1].str() : "");
+    marks.insert(mark_of(k));
+    EXPECT_THAT(style, HasSubstr(fmt::format("\n.s{} {{ stroke: #", k)));
+  }
+  EXPECT_EQ(seen.size(), static_cast<std::size_t>(kCurveStyles));
+  EXPECT_EQ(marks.size(), static_cast<std::size_t>(kCurveStyles));
+}
+
+TEST(ChartHtml, ALongNameOfAnAxisStaysWithinALowFigure) {
+  Chart chart = chart_of({{"", Drawn::kLine, 0, {{0.0, 0.0}, {300.0, 1.0}}}});
+  chart.equal_axes = true;
+  chart.y_name = "to its right, m";
+  const std::string html = chart_html(chart, "");
+  std::smatch at;
+  ASSERT_TRUE(std::regex_search(html, at, std::regex("translate\\(20 ([0-9.]+)\\) rotate")));
+  EXPECT_GE(std::stod(at[1]), 6.5 * 15);  // 15 letters of 13 units, half of them above
 }
 
 TEST(ChartHtml, IsEmptyWhereThereIsNothingToDraw) {

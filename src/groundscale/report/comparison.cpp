@@ -171,28 +171,6 @@ std::string settings_table(const std::vector<RunFolder>& runs, const std::vector
   return table_html(table);
 }
 
-std::string reasons_table(const std::vector<RunFolder>& runs, const std::vector<std::string>& names) {
-  std::vector<std::string> kinds;
-  std::vector<std::vector<internal::ReasonCount>> reasons;
-  for (const RunFolder& run : runs) {
-    reasons.push_back(internal::reasons_of(run));
-    for (const auto& reason : reasons.back()) {
-      if (std::find(kinds.begin(), kinds.end(), reason.kind) == kinds.end()) kinds.push_back(reason.kind);
-    }
-  }
-  TextTable table{.heading = heading(names), .rows = {}};
-  table.heading.front() = "frames without an accepted measurement";
-  for (const std::string& kind : kinds) {
-    Row cells = {kind};
-    for (const auto& own : reasons) {
-      const auto found = std::find_if(own.begin(), own.end(), [&](const auto& r) { return r.kind == kind; });
-      cells.push_back(found == own.end() ? "0" : fmt::to_string(found->count));
-    }
-    table.rows.push_back(std::move(cells));
-  }
-  return table_html(table);
-}
-
 /// Runs of one drive.
 struct Group {
   std::string drive;
@@ -242,13 +220,10 @@ std::string notes(const std::vector<Group>& groups) {
 }
 
 std::string curves(const Group& group) {
-  std::string html = fmt::format("<p>Drive: {}</p>\n", escape_html(group.drive));
-  if (group.runs.size() > static_cast<std::size_t>(internal::kCurveStyles)) {
-    html += fmt::format("<p>There are more runs than kinds of curves: every {}th looks alike.</p>\n",
-                        internal::kCurveStyles);
-  }
-  return html + internal::trajectory_figure(group.runs) + internal::pieces_figure(group.runs) +
-         internal::sd_figure(group.runs) + internal::pitch_figure(group.runs);
+  const std::string html = fmt::format("<p>Drive: {}</p>\n", escape_html(group.drive));
+  return html + internal::styles_note(group.runs.size()) + internal::trajectory_figure(group.runs) +
+         internal::pieces_figure(group.runs) + internal::sd_figure(group.runs) + internal::pitch_figure(group.runs) +
+         internal::roll_figure(group.runs);
 }
 
 }  // namespace
@@ -257,8 +232,10 @@ std::string comparison_html(const std::vector<RunFolder>& runs) {
   GS_CHECK(runs.size() >= 2, "there are several runs to compare");
   const std::vector<std::string> names = internal::short_names(runs);
   const std::vector<Group> groups = groups_of(runs, names);
+  std::vector<NamedRun> all;
   std::string verdicts;
   for (std::size_t k = 0; k < runs.size(); ++k) {
+    all.push_back({names[k], &runs[k]});
     verdicts += fmt::format("<h3>{}</h3>\n{}", escape_html(names[k]), internal::verdict_html(verdict_of(runs[k])));
   }
   std::string drives;
@@ -271,7 +248,7 @@ std::string comparison_html(const std::vector<RunFolder>& runs) {
                         notes(groups) + section("Figures", figures_table(runs, names)) +
                             section("Against the truth", truth_table(runs, names)) +
                             section("Configuration that differs", settings_table(runs, names)) +
-                            section("Coverage", reasons_table(runs, names)) + drives + section("Verdicts", verdicts) +
+                            section("Coverage", internal::reasons_table(all)) + drives + section("Verdicts", verdicts) +
                             section("Folders", internal::definitions(folders)));
 }
 

@@ -260,8 +260,8 @@ class BlockWriter {
     if (!text.starts_with("![")) return std::nullopt;
     const auto link = link_at(text.substr(1));
     if (!link || link->length + 1 != text.size()) return std::nullopt;
-    return fmt::format("<figure>\n<figcaption>{}</figcaption>\n{}\n</figure>\n", escape_html(link->words),
-                       inline_.write(text));
+    return fmt::format("<figure class=\"drawn\">\n<figcaption>{}</figcaption>\n{}\n</figure>\n",
+                       escape_html(link->words), inline_.write(text));
   }
 
   InlineWriter inline_;

@@ -83,7 +83,7 @@ TEST(MarkdownPage, PicturesAreTakenIntoThePage) {
   folder.file("b.png", "foo");
   const std::string html = markdown_page("![Figure A](figures/a.svg)\n\n![B](b.png)\ntext\n", folder.path());
   EXPECT_EQ(what_is_wrong(html), "");
-  EXPECT_THAT(html, HasSubstr("<figure>\n<figcaption>Figure A</figcaption>\n<img alt=\"Figure A\" "
+  EXPECT_THAT(html, HasSubstr("<figure class=\"drawn\">\n<figcaption>Figure A</figcaption>\n<img alt=\"Figure A\" "
                               "src=\"data:image/svg+xml;base64,PHN2Zy8+\"/>\n</figure>"));
   EXPECT_THAT(html, HasSubstr("src=\"data:image/png;base64,Zm9v\"/> text</p>"));
 }

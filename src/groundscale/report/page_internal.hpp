@@ -14,6 +14,12 @@ std::string page(std::string_view title, const std::string& body);
 /// "" without content. @param heading  Markup.
 std::string section(std::string_view heading, const std::string& content);
 
+/// "" without text.
+std::string paragraph(std::string_view text);
+
+/// What is shown on a click; "" without content. @param summary  Text.
+std::string details(std::string_view summary, const std::string& content, bool open = false);
+
 /// Names and values, both text; "" where there are none.
 std::string definitions(const std::vector<std::pair<std::string, std::string>>& pairs);
 
@@ -28,6 +34,9 @@ struct TextTable {
   std::vector<std::string> heading;
   std::vector<std::vector<std::string>> rows;
   Cells cells = Cells::kNumbers;
+  /// Above the heading: names, each over so many columns; none without.
+  std::vector<std::pair<std::string, int>> groups{};
+  std::vector<std::string> addresses{};  ///< What the first cells of the rows lead to; none without.
 };
 /// "" without rows. It scrolls where it is wider than the page.
 std::string table_html(const TextTable& table);

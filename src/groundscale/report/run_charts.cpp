@@ -108,6 +108,27 @@ std::vector<double> true_steps(const ComparedRun& compared) {
   return steps;
 }
 
+/// An angle of the road by several runs.
+std::string angle_figure(const std::vector<NamedRun>& runs, const std::string& angle,
+                         std::optional<double> (*of)(const FrameRow&)) {
+  Chart chart{.name = angle + " of the road by distance",
+              .x_name = kDistance,
+              .y_name = angle + ", degrees",
+              .bands = {},
+              .curves = {},
+              .events = {}};
+  int style = 0;
+  for (const NamedRun& named : runs) {
+    const auto accepted = [of](const FrameRow& row) { return row.accepted() ? of(row) : std::nullopt; };
+    chart.curves.push_back({.name = named.name,
+                            .drawn = mark_of(style),
+                            .style = style,
+                            .points = without_gaps(points_of(*named.run, accepted))});
+    ++style;
+  }
+  return chart_html(chart, angle + " of the road, accepted measurements");
+}
+
 std::vector<double> sums(const std::vector<double>& steps) {
   std::vector<double> along;
   double sum = 0.0;
@@ -238,7 +259,7 @@ std::string map_figure(const RunFolder& run) {
   return chart_html(scales, "Scale in force") + chart_html(ratios, "Drift ratio");
 }
 
-std::string angle_figure(const RunFolder& run) {
+std::string angle_figure(const RunFolder& run, std::string_view caption) {
   const auto accepted = [](const FrameRow& row, const std::optional<double>& angle) {
     return row.accepted() ? angle : std::nullopt;
   };
@@ -256,7 +277,7 @@ std::string angle_figure(const RunFolder& run) {
                   .style = 1,
                   .points = without_gaps(points_of(run, [&](const FrameRow& r) { return accepted(r, r.roll_deg); }))}},
       .events = {}};
-  return chart_html(chart, "");
+  return chart_html(chart, caption);
 }
 
 std::string coverage_figure(const RunFolder& run) {
@@ -359,24 +380,34 @@ std::string sd_figure(const std::vector<NamedRun>& runs) {
 }
 
 std::string pitch_figure(const std::vector<NamedRun>& runs) {
-  Chart chart{.name = "Pitch of the road by distance",
-              .x_name = kDistance,
-              .y_name = "pitch, degrees",
+  return angle_figure(runs, "Pitch", [](const FrameRow& row) { return row.pitch_deg; });
+}
+
+std::string roll_figure(const std::vector<NamedRun>& runs) {
+  return angle_figure(runs, "Roll", [](const FrameRow& row) { return row.roll_deg; });
+}
+
+std::string ratio_figure(const RunFolder& run, const ComparedRun& compared, std::string_view caption) {
+  Chart chart{.name = "Steps over those of the reference by distance",
+              .x_name = "distance, m",
+              .y_name = "step ratio - 1, %",
               .bands = {},
-              .curves = {},
-              .events = {}};
-  constexpr Drawn kMarks[] = {Drawn::kRings, Drawn::kCrosses, Drawn::kSquares, Drawn::kDots};
-  int style = 0;
-  for (const NamedRun& named : runs) {
-    chart.curves.push_back({.name = named.name,
-                            .drawn = kMarks[style % 4],
-                            .style = style,
-                            .points = without_gaps(points_of(*named.run, [](const FrameRow& r) {
-                              return r.accepted() ? r.pitch_deg : std::nullopt;
-                            }))});
-    ++style;
+              .curves = {{.name = "raw, refused", .drawn = Drawn::kCrosses, .style = 4, .points = {}},
+                         {.name = "raw", .drawn = Drawn::kRings, .style = 1, .points = {}},
+                         {.name = "filtered", .style = 0, .points = {}}},
+              .events = {},
+              .level = 0.0};
+  for (std::size_t k = 0; k < compared.steps.size(); ++k) {
+    const Step& step = compared.steps[k];
+    if (!step.moving) continue;
+    const FrameRow& row = run.frames[k + 1];
+    const auto add = [&](std::size_t curve, double step_m) {
+      chart.curves[curve].points.push_back({step.true_distance_m, percent_off(step_m / step.true_m)});
+    };
+    if (row.raw_step_m) add(row.accepted() ? 1 : 0, *row.raw_step_m);
+    if (row.online_step_m) add(2, *row.online_step_m);
   }
-  return chart_html(chart, "Pitch of the road, accepted measurements");
+  return chart_html(chart, caption);
 }
 
 }  // namespace groundscale::internal

@@ -65,8 +65,10 @@ void read_config(RunFolder& run) {
   if (run.summary.first_frame > 0) run.drive += fmt::format(", from frame {} on", run.summary.first_frame);
 }
 
-Result<ComparedRun> compare(const std::string& folder, const std::string& truth) {
-  auto paired = pair_drive({.estimate = folder, .truth = truth});
+}  // namespace
+
+Result<ComparedRun> compare_run(const PairingRequest& request) {
+  auto paired = pair_drive(request);
   if (!paired) return paired.error();
   auto evaluation = evaluate(*paired, kitti_lengths_m());
   if (!evaluation) return evaluation.error();
@@ -80,8 +82,6 @@ Result<ComparedRun> compare(const std::string& folder, const std::string& truth)
   }
   return ComparedRun{std::move(*paired), std::move(*evaluation), std::move(*steps), std::move(online_steps)};
 }
-
-}  // namespace
 
 std::vector<double> RunFolder::distances_m() const {
   std::vector<double> distances;
@@ -117,7 +117,9 @@ Result<RunFolder> read_run_folder(const std::string& folder, const std::string& 
   run.samples = std::move(*samples);
   run.truth = truth.empty() ? run.summary.truth : truth;
   if (run.truth.empty()) return run;
-  auto compared = compare(folder, run.truth);
+  auto compared = compare_run({.estimate = folder,
+                               .truth = run.truth,
+                               .advice = "a row for every frame of the drive is needed, the first for frame 0"});
   if (compared) {
     run.compared = std::move(*compared);
   } else if (truth.empty()) {

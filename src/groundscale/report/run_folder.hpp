@@ -50,6 +50,10 @@ struct RunFolder {
   std::vector<double> distances_m() const;
 };
 
+/// A run's folder beside another trajectory, with the figures of `evaluate` (kitti_lengths_m).
+/// @return Errors of pair_drive, evaluate and compare_steps.
+Result<ComparedRun> compare_run(const PairingRequest& request);
+
 /// @param truth  Trajectory to compare with; empty: the one that the run was told, if any.
 /// @return kBadInput with the path: no folder of a run, one of a run that didn't end (no summary.json), files that
 /// can't be read or aren't of one run, a `truth` that can't be compared with. A truth that the run itself was told and

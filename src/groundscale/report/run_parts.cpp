@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -12,6 +13,8 @@
 
 namespace groundscale::internal {
 namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::string_view class_of(Grade grade) {
   switch (grade) {
@@ -88,6 +91,25 @@ std::string sample_caption(const SampleFrame& sample, const RunFolder& run) {
   return text;
 }
 
+std::vector<std::string> counts_alone(const std::vector<std::pair<int, std::string>>& counts) {
+  std::vector<std::string> cells;
+  for (const auto& [count, name] : counts) cells.push_back(fmt::to_string(count));
+  return cells;
+}
+
+/// The sum, and who has how much of it, the largest first.
+std::vector<std::string> counts_in_words(std::vector<std::pair<int, std::string>> counts) {
+  std::stable_sort(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  int sum = 0;
+  std::string words;
+  for (const auto& [count, name] : counts) {
+    if (count == 0) break;
+    sum += count;
+    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", name, count);
+  }
+  return {fmt::to_string(sum), words};
+}
+
 }  // namespace
 
 std::string verdict_html(const RunVerdict& verdict) {
@@ -115,6 +137,79 @@ std::vector<ReasonCount> reasons_of(const RunFolder& run) {
   std::stable_sort(reasons.begin(), reasons.end(),
                    [](const ReasonCount& a, const ReasonCount& b) { return a.count > b.count; });
   return reasons;
+}
+
+std::string facts_html(const RunFolder& run) {
+  const RunSummary& s = run.summary;
+  std::vector<std::pair<std::string, std::string>> pairs = {
+      {"drive", run.drive},
+      {"frames", fmt::format("{} to {}: {} moving, {} still, {} turning in place, {} bridged, {} lost", s.first_frame,
+                             s.first_frame + s.frames - 1, s.moving, s.still, s.rotating, s.bridged, s.lost)},
+      {"length", fmt::format("{:.1f} m", s.length_m)},
+      {"camera", s.camera_from},
+      {"camera height", fmt::format("{:.3f} m, from {}", s.camera_height_m, s.camera_height_from)},
+      {"mounting", fmt::format("pitch {:.2f}, roll {:.2f}, yaw {:.2f} degrees", s.mounting.pitch_rad / kDegree,
+                               s.mounting.roll_rad / kDegree, s.mounting.yaw_rad / kDegree)}};
+  if (!run.truth.empty()) pairs.emplace_back("truth", run.truth);
+  if (s.speed_log) {
+    pairs.emplace_back("speed log", fmt::format("{}: {} frames scaled by it", s.speed_log->file, s.speed_log->scaled));
+  }
+  pairs.emplace_back("seed", fmt::to_string(s.seed));
+  pairs.emplace_back("made by", "groundscale " + s.version);
+  return definitions(pairs);
+}
+
+std::string settings_html(const RunFolder& run) {
+  if (run.settings.empty()) {
+    return run.config_text.empty() ? "" : details("config.yaml", "<pre>" + escape_html(run.config_text) + "</pre>\n");
+  }
+  TextTable differing{.heading = {"key", "value", "default", "unit"}, .rows = {}, .cells = Cells::kWords};
+  TextTable usual{.heading = {"key", "value", "unit"}, .rows = {}, .cells = Cells::kWords};
+  for (const RunFolder::Setting& setting : run.settings) {
+    if (setting.differs()) {
+      differing.rows.push_back({setting.name, setting.value, setting.usual, setting.unit});
+    } else {
+      usual.rows.push_back({setting.name, setting.value, setting.unit});
+    }
+  }
+  return details(fmt::format("{} keys that differ from their defaults", differing.rows.size()), table_html(differing)) +
+         details(fmt::format("{} keys at their defaults", usual.rows.size()), table_html(usual));
+}
+
+std::string reasons_table(const std::vector<NamedRun>& runs) {
+  constexpr std::size_t kMostColumns = 4;  // of more runs it is told in words how often each had a reason
+  const bool in_words = runs.size() > kMostColumns;
+  TextTable table{.heading = {"frames without an accepted measurement"}, .rows = {}};
+  if (in_words) {
+    table.cells = Cells::kFigures;
+    table.heading.insert(table.heading.end(), {"in all", "of them by"});
+  }
+  std::vector<std::string> kinds;
+  std::vector<std::vector<ReasonCount>> reasons;
+  for (const NamedRun& named : runs) {
+    if (!in_words) table.heading.push_back(named.name);
+    reasons.push_back(reasons_of(*named.run));
+    for (const ReasonCount& reason : reasons.back()) {
+      if (std::find(kinds.begin(), kinds.end(), reason.kind) == kinds.end()) kinds.push_back(reason.kind);
+    }
+  }
+  for (const std::string& kind : kinds) {
+    std::vector<std::pair<int, std::string>> counts;
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      const auto found = std::find_if(reasons[k].begin(), reasons[k].end(),
+                                      [&](const ReasonCount& reason) { return reason.kind == kind; });
+      counts.emplace_back(found == reasons[k].end() ? 0 : found->count, runs[k].name);
+    }
+    std::vector<std::string> cells = in_words ? counts_in_words(std::move(counts)) : counts_alone(counts);
+    cells.insert(cells.begin(), kind);
+    table.rows.push_back(std::move(cells));
+  }
+  return table_html(table);
+}
+
+std::string styles_note(std::size_t runs) {
+  if (runs <= static_cast<std::size_t>(kCurveStyles)) return "";
+  return paragraph(fmt::format("There are more curves than kinds of them: every {}th looks alike.", kCurveStyles));
 }
 
 std::vector<std::string> short_names(const std::vector<RunFolder>& runs) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -18,43 +17,11 @@ namespace groundscale {
 namespace {
 
 using internal::Cells;
-using internal::definitions;
-using internal::escape_html;
+using internal::details;
+using internal::paragraph;
 using internal::section;
 using internal::table_html;
 using internal::TextTable;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-
-std::string paragraph(std::string_view text) {
-  return text.empty() ? "" : fmt::format("<p>{}</p>\n", escape_html(text));
-}
-
-std::string details(std::string_view summary, const std::string& content, bool open = false) {
-  if (content.empty()) return "";
-  return fmt::format("<details{}>\n<summary>{}</summary>\n{}</details>\n", open ? " open=\"open\"" : "",
-                     escape_html(summary), content);
-}
-
-std::string facts(const RunFolder& run) {
-  const RunSummary& s = run.summary;
-  std::vector<std::pair<std::string, std::string>> pairs = {
-      {"drive", run.drive},
-      {"frames", fmt::format("{} to {}: {} moving, {} still, {} turning in place, {} bridged, {} lost", s.first_frame,
-                             s.first_frame + s.frames - 1, s.moving, s.still, s.rotating, s.bridged, s.lost)},
-      {"length", fmt::format("{:.1f} m", s.length_m)},
-      {"camera", s.camera_from},
-      {"camera height", fmt::format("{:.3f} m, from {}", s.camera_height_m, s.camera_height_from)},
-      {"mounting", fmt::format("pitch {:.2f}, roll {:.2f}, yaw {:.2f} degrees", s.mounting.pitch_rad / kDegree,
-                               s.mounting.roll_rad / kDegree, s.mounting.yaw_rad / kDegree)}};
-  if (!run.truth.empty()) pairs.emplace_back("truth", run.truth);
-  if (s.speed_log) {
-    pairs.emplace_back("speed log", fmt::format("{}: {} frames scaled by it", s.speed_log->file, s.speed_log->scaled));
-  }
-  pairs.emplace_back("seed", fmt::to_string(s.seed));
-  pairs.emplace_back("made by", "groundscale " + s.version);
-  return definitions(pairs);
-}
 
 std::string figure_value(const Figure& figure) {
   if (!figure.value || !std::isfinite(*figure.value)) return "\u2013";
@@ -128,6 +95,11 @@ std::string corrections_section(const RunSummary& summary) {
 std::string time_section(const RunSummary& summary) {
   std::vector<internal::Bar> bars;
   for (const auto& [stage, ms] : summary.stage_ms) bars.push_back({stage, ms, fmt::format("{:.2f} ms", ms)});
+  if (bars.empty()) return "";
+  if (!(summary.median_ms > 0.0)) {  // one of several methods that had the rest in common
+    return paragraph("Mean time a frame, without what several methods had in common:") +
+           internal::bars_html(bars, "Mean time a frame of the method");
+  }
   std::string words = fmt::format("A frame took {:.1f} ms (median; 95 % below {:.1f} ms), the drive {:.1f} s.",
                                   summary.median_ms, summary.p95_ms, summary.wall_s);
   if (summary.network_runs > 0) {
@@ -135,23 +107,6 @@ std::string time_section(const RunSummary& summary) {
   }
   return paragraph(words + " Mean time a frame of each stage:") +
          internal::bars_html(bars, "Mean time a frame of each stage");
-}
-
-std::string settings_section(const RunFolder& run) {
-  if (run.settings.empty()) {
-    return run.config_text.empty() ? "" : details("config.yaml", "<pre>" + escape_html(run.config_text) + "</pre>\n");
-  }
-  TextTable differing{.heading = {"key", "value", "default", "unit"}, .rows = {}, .cells = Cells::kWords};
-  TextTable usual{.heading = {"key", "value", "unit"}, .rows = {}, .cells = Cells::kWords};
-  for (const RunFolder::Setting& setting : run.settings) {
-    if (setting.differs()) {
-      differing.rows.push_back({setting.name, setting.value, setting.usual, setting.unit});
-    } else {
-      usual.rows.push_back({setting.name, setting.value, setting.unit});
-    }
-  }
-  return details(fmt::format("{} keys that differ from their defaults", differing.rows.size()), table_html(differing)) +
-         details(fmt::format("{} keys at their defaults", usual.rows.size()), table_html(usual));
 }
 
 std::string scale_section(const RunFolder& run) {
@@ -167,7 +122,7 @@ std::string run_report_html(const RunFolder& run) {
   const std::vector<internal::NamedRun> self = {{"estimate, final", &run}};
   return internal::page(
       "Run: " + name,
-      internal::verdict_html(verdict) + section("What was run", facts(run)) +
+      internal::verdict_html(verdict) + section("What was run", internal::facts_html(run)) +
           section("Trajectory from above", internal::trajectory_figure(self)) +
           section("Against the truth", truth_section(run)) + section("Scale", scale_section(run)) +
           section("Scale of the map", internal::map_figure(run)) +
@@ -175,7 +130,7 @@ std::string run_report_html(const RunFolder& run) {
           section("Coverage", coverage_section(run)) + section("Corrections", corrections_section(run.summary)) +
           section("Time", time_section(run.summary)) + section("Sample frames", internal::samples_html(run)) +
           section("Warnings", internal::list_html(run.summary.warnings)) +
-          section("Configuration", settings_section(run)));
+          section("Configuration", internal::settings_html(run)));
 }
 
 Result<void> write_run_report(const std::string& folder) {

@@ -62,13 +62,6 @@ std::optional<Finding> sd_finding(const RunFolder& run) {
                              100.0 * *sd)};
 }
 
-Finding height_finding(const RunSummary& summary) {
-  return {Grade::kNote, fmt::format("All lengths rest on a camera height of {:.3f} m (from {}): 1 cm more makes them "
-                                    "{:.2f} % longer.",
-                                    summary.camera_height_m, summary.camera_height_from,
-                                    1.0 / std::max(1e-9, summary.camera_height_m))};
-}
-
 std::optional<Finding> slope_finding(const RunSummary& summary) {
   if (!summary.slope) return std::nullopt;
   const std::string verdict = calibration_verdict(*summary.slope);
@@ -133,6 +126,13 @@ std::string headline(const RunVerdict& verdict) {
 }
 
 }  // namespace
+
+Finding height_finding(const RunSummary& summary) {
+  return {Grade::kNote, fmt::format("All lengths rest on a camera height of {:.3f} m (from {}): 1 cm more makes them "
+                                    "{:.2f} % longer.",
+                                    summary.camera_height_m, summary.camera_height_from,
+                                    1.0 / std::max(1e-9, summary.camera_height_m))};
+}
 
 double longest_gap_m(const RunFolder& run) {
   const std::vector<double> distances_m = run.distances_m();

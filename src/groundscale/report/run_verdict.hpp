@@ -25,6 +25,9 @@ struct RunVerdict {
 
 RunVerdict verdict_of(const RunFolder& run);
 
+/// What all lengths rest on.
+Finding height_finding(const RunSummary& summary);
+
 /// The longest way without an accepted measurement of the road, from the first one on; 0 where there is none.
 double longest_gap_m(const RunFolder& run);
 

@@ -4,42 +4,35 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <limits>
-#include <map>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/text_internal.hpp"
-#include "groundscale/io/trajectory_file.hpp"
 #include "groundscale/report/chart_internal.hpp"
 #include "groundscale/report/markup_internal.hpp"
 #include "groundscale/report/page_internal.hpp"
 #include "groundscale/report/run_charts_internal.hpp"
 #include "groundscale/report/run_parts_internal.hpp"
-#include "groundscale/report/sample_frames.hpp"
 
 namespace groundscale {
 namespace {
 
 namespace fs = std::filesystem;
 using internal::bad_input;
-using internal::Chart;
+using internal::escape_html;
+using internal::NamedRun;
+using internal::paragraph;
 using internal::section;
 using internal::TextTable;
-using Json = nlohmann::ordered_json;
 
-constexpr double kLeastStepM = 0.2;  // shorter reference steps say nothing of a ratio
+const std::string kNothing = "\u2013";
 
-enum Column { kFrame, kMethod, kRawStep, kRawStepSd, kOnlineStep, kPitch, kRoll, kInliers, kTime, kReason, kColumns };
-constexpr std::array<std::string_view, kColumns> kNames{"frame",         "method",    "raw_step_m", "raw_step_sd_m",
-                                                        "online_step_m", "pitch_deg", "roll_deg",   "inliers",
-                                                        "time_ms",       "reason"};
+enum Column { kMethod, kTime, kColumns };
+constexpr std::array<std::string_view, kColumns> kNames{"method", "time_ms"};
 
 struct Header {
   std::size_t width = 0;
@@ -58,271 +51,225 @@ Result<Header> parse_header(std::string_view line, const std::string& path) {
   return header;
 }
 
-Result<std::pair<std::string, MethodRow>> parse_row(const internal::Line& line, const Header& header,
-                                                    const std::string& path) {
-  const std::vector<std::string> fields = internal::csv_fields(line.text);
-  const std::string place = fmt::format("{}:{}", path, line.number);
-  if (fields.size() != header.width) {
-    return bad_input(fmt::format("{}: {} fields, the header has {}", place, fields.size(), header.width));
-  }
-  const auto field = [&](Column column) -> const std::string& { return fields[header.index[column]]; };
-  MethodRow row;
-  const auto frame = internal::parse_integer(field(kFrame));
-  if (!frame || *frame < 0 || *frame > std::numeric_limits<int>::max()) {
-    return bad_input(
-        fmt::format("{}: frame is {}, it must be a frame number from 0 on", place, internal::quoted(field(kFrame))));
-  }
-  row.frame = static_cast<int>(*frame);
-  row.reason = field(kReason);
-  const std::pair<Column, std::optional<double>*> numbers[] = {
-      {kRawStep, &row.raw_step_m}, {kRawStepSd, &row.raw_step_sd_m}, {kOnlineStep, &row.online_step_m},
-      {kPitch, &row.pitch_deg},    {kRoll, &row.roll_deg},           {kInliers, &row.inliers},
-      {kTime, &row.time_ms}};
-  for (const auto& [column, value] : numbers) {
-    if (field(column).empty()) continue;
-    *value = internal::parse_number(field(column));
-    if (*value && std::isfinite(**value)) continue;
-    return bad_input(fmt::format("{}: {} is {}, it must be a finite number, or empty", place, kNames[column],
-                                 internal::quoted(field(column))));
-  }
-  return std::pair(field(kMethod), std::move(row));
+std::string first_of(const MethodsReport& report) {
+  return report.methods.empty() ? "" : report.methods.front().name();
 }
 
-/// Reference steps by frame.
-using Steps = std::map<int, double>;
-
-Steps reference_of(const MethodsPage& report) {
-  Steps steps;
-  for (const auto& [frame, step_m] : report.true_steps_m) steps[frame] = step_m;
-  if (!steps.empty() || report.methods.empty()) return steps;
-  for (const MethodRow& row : report.methods.front().rows) {
-    if (row.online_step_m) steps[row.frame] = *row.online_step_m;
-  }
-  return steps;
+/// What steps are compared with, in words.
+std::string reference_of(const MethodsReport& report) {
+  return report.by_truth() ? "the truth" : "the filtered steps of " + first_of(report);
 }
 
-std::map<int, double> distances_of(const Steps& steps) {
-  std::map<int, double> distances;
-  double sum_m = 0.0;
-  for (const auto& [frame, step_m] : steps) distances[frame] = (sum_m += step_m);
-  return distances;
-}
+std::string address_of(const MethodRun& method) { return method.name() + "/report.html"; }
 
-/// A step over the reference's; nothing where there is none worth dividing by.
-std::optional<double> percent_off(const std::optional<double>& step_m, int frame, const Steps& reference) {
-  const auto found = reference.find(frame);
-  if (!step_m || found == reference.end() || found->second < kLeastStepM) return std::nullopt;
-  return 100.0 * (*step_m / found->second - 1.0);
-}
+std::string number(double value, int decimals) { return fmt::format("{:.{}f}", value, decimals); }
 
-/// Median of absolute deviations from the median.
-double spread_of(std::vector<double> values) {
-  const double middle = median(values);
-  for (double& value : values) value = std::abs(value - middle);
-  return median(std::move(values));
-}
-
-std::string number(const std::vector<double>& values, int decimals, double (*of)(std::vector<double>)) {
-  return values.empty() ? "\u2013" : fmt::format("{:.{}f}", of(values), decimals);
-}
-
-double middle_of(std::vector<double> values) { return median(std::move(values)); }
-double high_of(std::vector<double> values) { return quantile(std::move(values), 0.95); }
-
-std::vector<double> errors_of(const MethodRows& method, const Steps& reference, bool raw) {
-  std::vector<double> errors;
-  for (const MethodRow& row : method.rows) {
-    if (raw && !row.accepted()) continue;
-    if (const auto off = percent_off(raw ? row.raw_step_m : row.online_step_m, row.frame, reference)) {
-      errors.push_back(*off);
-    }
-  }
-  return errors;
-}
-
-std::string methods_table(const MethodsPage& report, const Steps& reference) {
-  TextTable table{.heading = {"method", "frames", "measured", "raw bias %", "raw spread %", "raw 95 % within %",
-                              "filtered bias %", "filtered spread %", "ms, median", "ms, 95 % below"},
+std::string methods_table(const MethodsReport& report) {
+  TextTable table{.heading = {"method", "moving frames", "of them measured, %", "longest way without, m",
+                              "sd of the filtered step, median %", "ms a frame, median", "95 % below"},
                   .rows = {}};
-  for (const MethodRows& method : report.methods) {
-    std::vector<double> times;
-    int accepted = 0;
-    for (const MethodRow& row : method.rows) {
-      accepted += row.accepted() ? 1 : 0;
-      if (row.time_ms) times.push_back(*row.time_ms);
+  if (report.by_truth()) table.heading.emplace_back("coverage by the truth, %");
+  for (const MethodRun& method : report.methods) {
+    const RunSummary& s = method.run.summary;
+    const std::optional<double> sd = median_relative_sd(method.run);
+    const std::vector<double>& times = method.times.time_ms;
+    table.rows.push_back({method.name(), fmt::to_string(s.moving),
+                          s.moving > 0 ? number(100.0 * s.accepted / s.moving, 1) : kNothing,
+                          number(longest_gap_m(method.run), 0), sd ? number(100.0 * *sd, 2) : kNothing,
+                          times.empty() ? kNothing : number(median(times), 2),
+                          times.empty() ? kNothing : number(quantile(times, 0.95), 2)});
+    if (report.by_truth()) {
+      const auto& coverage = method.run.compared->evaluation.coverage;
+      const bool known = coverage && coverage->accepted.of > 0;
+      table.rows.back().push_back(known ? number(100.0 * coverage->accepted.value(), 1) : kNothing);
     }
-    const std::vector<double> raw = errors_of(method, reference, true);
-    const std::vector<double> filtered = errors_of(method, reference, false);
-    std::vector<double> sizes = raw;
-    for (double& size : sizes) size = std::abs(size);
-    table.rows.push_back({method.method, fmt::to_string(method.rows.size()), fmt::to_string(accepted),
-                          number(raw, 2, middle_of), number(raw, 2, spread_of), number(sizes, 2, high_of),
-                          number(filtered, 2, middle_of), number(filtered, 2, spread_of), number(times, 2, middle_of),
-                          number(times, 2, high_of)});
+    table.addresses.push_back(address_of(method));
   }
-  return internal::table_html(table);
+  std::string note =
+      "A method's name leads to the page of its own run. Its time is that of the method alone, without matching and "
+      "motion. Frames move where the odometry says so";
+  note += report.by_truth() ? "; coverage is the share of steps measured among those that move by the truth." : ".";
+  return internal::table_html(table) + paragraph(note);
 }
 
-std::string method_chart(const MethodRows& method, const Steps& reference, const std::string& against) {
-  const std::map<int, double> distances = distances_of(reference);
-  Chart chart{.name = "Steps by the method over " + against + " by distance",
-              .x_name = "distance, m",
-              .y_name = "over " + against + ", %",
-              .height = 180.0,
-              .bands = {},
-              .curves = {{.name = "raw, refused", .drawn = internal::Drawn::kCrosses, .style = 4, .points = {}},
-                         {.name = "raw", .drawn = internal::Drawn::kRings, .style = 1, .points = {}},
-                         {.name = "filtered", .style = 0, .points = {}}},
-              .events = {},
-              .level = 0.0};
-  for (const MethodRow& row : method.rows) {
-    const auto at = distances.find(row.frame);
-    if (at == distances.end()) continue;
-    if (const auto raw = percent_off(row.raw_step_m, row.frame, reference)) {
-      chart.curves[row.accepted() ? 1 : 0].points.push_back({at->second, *raw});
-    }
-    if (const auto filtered = percent_off(row.online_step_m, row.frame, reference)) {
-      chart.curves[2].points.push_back({at->second, *filtered});
-    }
+void add_errors(const std::optional<ScaleErrors>& errors, std::vector<std::string>& cells) {
+  cells.push_back(errors ? fmt::to_string(errors->steps) : "0");
+  cells.push_back(errors ? fmt::format("{:+.2f}", 100.0 * errors->bias) : kNothing);
+  for (const auto member : {&ScaleErrors::spread, &ScaleErrors::p95}) {
+    cells.push_back(errors ? number(100.0 * (*errors).*member, 2) : kNothing);
   }
-  return internal::chart_html(chart, method.method);
 }
 
-std::string reasons_table(const MethodsPage& report) {
-  TextTable table{.heading = {"frames without an accepted measurement"}, .rows = {}};
-  std::vector<std::string> kinds;
-  std::vector<std::map<std::string, int>> counts;
-  for (const MethodRows& method : report.methods) {
-    table.heading.push_back(method.method);
-    counts.emplace_back();
-    for (const MethodRow& row : method.rows) {
-      if (row.reason.empty()) continue;
-      const std::string kind = kind_of_reason(row.reason);
-      if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) kinds.push_back(kind);
-      ++counts.back()[kind];
-    }
+/// Errors of all methods, straights and turns apart. @param of  Of single measurements, or of the filtered steps.
+std::string errors_table(const MethodsReport& report, const std::string& what,
+                         std::optional<ScaleFigures> Evaluation::*of) {
+  TextTable table{.heading = {what}, .rows = {}, .groups = {{"", 1}}};
+  for (const char* part : {"all", "straights", "turns"}) {
+    table.groups.emplace_back(part, 4);
+    for (const char* figure : {"steps", "bias %", "spread %", "95 % within %"}) table.heading.emplace_back(figure);
   }
-  for (const std::string& kind : kinds) {
-    std::vector<std::string> cells = {kind};
-    for (const auto& own : counts) {
-      const auto found = own.find(kind);
-      cells.push_back(fmt::to_string(found == own.end() ? 0 : found->second));
-    }
+  for (const MethodRun& method : report.methods) {
+    const ComparedRun* compared = method.compared();
+    if (compared == nullptr) continue;
+    const ScaleFigures figures = (compared->evaluation.*of).value_or(ScaleFigures{});
+    std::vector<std::string> cells = {method.name()};
+    for (const auto& part : {figures.all, figures.straight, figures.turn}) add_errors(part, cells);
     table.rows.push_back(std::move(cells));
   }
   return internal::table_html(table);
 }
 
-std::string times_figure(const MethodsPage& report) {
+std::string errors_section(const MethodsReport& report) {
+  const std::string tables = errors_table(report, "raw", &Evaluation::raw_scale) +
+                             errors_table(report, "filtered online", &Evaluation::online_scale);
+  if (tables.empty()) return "";
+  return paragraph(fmt::format(
+             "Moving steps over {}, less 1: bias is the median, spread the median of |ratio / median - 1|, 95 % of "
+             "|ratio - 1| lie within the last. As docs/evaluation.md of groundscale defines them; nothing is aligned. "
+             "Raw: accepted measurements of single frames.",
+             report.by_truth() ? "true ones" : "the filtered ones of " + first_of(report))) +
+         tables;
+}
+
+std::string charts(const MethodsReport& report) {
+  std::string html;
+  for (const MethodRun& method : report.methods) {
+    const ComparedRun* compared = method.compared();
+    html += fmt::format("<h3><a href=\"{}\">{}</a></h3>\n<div class=\"pair\">\n", escape_html(address_of(method)),
+                        escape_html(method.name()));
+    if (compared != nullptr) {
+      html += internal::ratio_figure(method.run, *compared, "Steps over " + reference_of(report) + ", less 1");
+    }
+    const std::string angles = internal::angle_figure(method.run, "Pitch and roll of the road");
+    html += (angles.empty() ? paragraph("No accepted measurement.") : angles) + "</div>\n";
+  }
+  return html;
+}
+
+std::string coverage_section(const MethodsReport& report, const std::vector<NamedRun>& runs) {
   std::vector<internal::Bar> bars;
-  for (const MethodRows& method : report.methods) {
-    std::vector<double> times;
-    for (const MethodRow& row : method.rows) {
-      if (row.time_ms) times.push_back(*row.time_ms);
-    }
-    if (times.empty()) continue;
-    const double ms = median(std::move(times));
-    bars.push_back({method.method, ms, fmt::format("{:.2f} ms", ms)});
+  for (const MethodRun& method : report.methods) {
+    const RunSummary& s = method.run.summary;
+    const double share = 100.0 * s.accepted / std::max(1, s.moving);
+    bars.push_back({method.name(), share, fmt::format("{:.1f} %", share)});
   }
-  return internal::bars_html(bars, "Median time a frame of each method");
+  return paragraph("Moving frames with an accepted measurement:") +
+         internal::bars_html(bars, "Share of moving frames with an accepted measurement") +
+         internal::reasons_table(runs);
 }
 
-/// What summary.json says at its top.
-void take_summary(const Json& json, MethodsPage& report) {
-  for (const auto& [key, value] : json.items()) {
-    if (value.is_string()) report.facts.emplace_back(key, value.get<std::string>());
-    if (value.is_number()) report.facts.emplace_back(key, fmt::format("{:.6g}", value.get<double>()));
-    if (key != "warnings" || !value.is_array()) continue;
-    for (const Json& warning : value) {
-      if (warning.is_string()) report.warnings.push_back(warning.get<std::string>());
-    }
+std::string times_section(const MethodsReport& report) {
+  std::vector<internal::Bar> stages;
+  for (const auto& [stage, ms] : report.matcher.summary.stage_ms) {
+    stages.push_back({stage, ms, fmt::format("{:.2f} ms", ms)});
   }
+  std::vector<internal::Bar> methods;
+  for (const MethodRun& method : report.methods) {
+    if (method.times.time_ms.empty()) continue;
+    const double ms = median(method.times.time_ms);
+    methods.push_back({method.name(), ms, fmt::format("{:.2f} ms", ms)});
+  }
+  std::string html;
+  if (!stages.empty()) {
+    html = paragraph("Mean time a frame of each stage that all methods have in common:") +
+           internal::bars_html(stages, "Mean time a frame of each common stage");
+  }
+  return html + paragraph("Median time a frame of each method alone:") +
+         internal::bars_html(methods, "Median time a frame of each method");
 }
 
-/// A truth that can't be read is a warning.
-void take_truth(const Json& json, MethodsPage& report) {
-  const auto named = json.find("truth");
-  if (named == json.end() || !named->is_string() || named->get<std::string>().empty()) return;
-  const auto truth = read_trajectory(named->get<std::string>());
-  if (!truth) {
-    report.warnings.push_back("the truth can't be read: " + truth.error().message);
-    return;
+/// Those of the runs too, each once: that a truth can't be read, say.
+std::vector<std::string> warnings_of(const MethodsReport& report) {
+  std::vector<std::string> warnings = report.matcher.summary.warnings;
+  if (!report.matcher.truth_problem.empty()) {
+    warnings.push_back("nothing can be compared with the truth: " + report.matcher.truth_problem);
   }
-  const auto& poses = truth->world_from_cam;
-  for (std::size_t k = 1; k < poses.size(); ++k) {
-    report.true_steps_m.emplace_back(static_cast<int>(k), (poses[k].translation - poses[k - 1].translation).norm());
-  }
+  return warnings;
 }
 
 }  // namespace
 
-Result<std::vector<MethodRows>> read_methods_table(const std::string& path) {
+const ComparedRun* MethodRun::compared() const {
+  if (run.compared) return &*run.compared;
+  return beside_first ? &*beside_first : nullptr;
+}
+
+Result<std::vector<MethodTimes>> read_method_times(const std::string& path) {
   const auto text = read_text(path);
   if (!text) return text.error();
   const std::vector<internal::Line> lines = internal::split_lines(*text);
   if (lines.empty()) return bad_input(path + ": empty, a header and a row a frame and method are expected");
   const auto header = parse_header(lines.front().text, path);
   if (!header) return header.error();
-  std::vector<MethodRows> methods;
+  std::vector<MethodTimes> methods;
   for (std::size_t k = 1; k < lines.size(); ++k) {
     if (internal::trimmed(lines[k].text).empty()) continue;
-    auto row = parse_row(lines[k], *header, path);
-    if (!row) return row.error();
-    auto method = std::find_if(methods.begin(), methods.end(), [&](const auto& m) { return m.method == row->first; });
-    if (method == methods.end()) method = methods.insert(methods.end(), {row->first, {}});
-    method->rows.push_back(std::move(row->second));
+    const std::vector<std::string> fields = internal::csv_fields(lines[k].text);
+    const std::string place = fmt::format("{}:{}", path, lines[k].number);
+    if (fields.size() != header->width) {
+      return bad_input(fmt::format("{}: {} fields, the header has {}", place, fields.size(), header->width));
+    }
+    const std::string& name = fields[header->index[kMethod]];
+    auto method = std::find_if(methods.begin(), methods.end(), [&](const auto& m) { return m.method == name; });
+    if (method == methods.end()) method = methods.insert(methods.end(), {name, {}});
+    const std::string& time = fields[header->index[kTime]];
+    if (time.empty()) continue;
+    const std::optional<double> time_ms = internal::parse_number(time);
+    if (!time_ms || !std::isfinite(*time_ms)) {
+      return bad_input(
+          fmt::format("{}: time_ms is {}, it must be a finite number, or empty", place, internal::quoted(time)));
+    }
+    method->time_ms.push_back(*time_ms);
   }
   if (methods.empty()) return bad_input(path + ": has no row");
   return methods;
 }
 
-std::string methods_page_html(const MethodsPage& report) {
-  const Steps reference = reference_of(report);
-  const std::string first = report.methods.empty() ? "" : report.methods.front().method;
-  const std::string against = report.true_steps_m.empty() ? "the filtered step of " + first : "the truth";
-  std::string charts;
-  for (const MethodRows& method : report.methods) charts += method_chart(method, reference, against);
-  const std::string note =
-      internal::escape_html(fmt::format("Steps over {}; bias is the median, spread the median distance from it. Raw: "
-                                        "accepted measurements of single frames.",
-                                        against));
-  std::vector<internal::NamedRun> runs;
-  for (const RunFolder& run : report.runs) runs.push_back({fs::path(run.folder).filename().string(), &run});
-  const std::string paths = runs.empty() ? "" : internal::trajectory_figure(runs);
-  const std::string angles = runs.empty() ? "" : internal::pitch_figure(runs);
-  const std::string sds = runs.empty() ? "" : internal::sd_figure(runs);
-  const std::string samples = report.matcher ? internal::samples_html(*report.matcher) : "";
+Result<MethodsReport> read_methods_report(const std::string& folder) {
+  const fs::path path = folder;
+  auto times = read_method_times((path / "methods.csv").string());
+  if (!times) return times.error();
+  auto matcher = read_run_folder(folder);
+  if (!matcher) return matcher.error();
+  MethodsReport report{std::move(*matcher), {}};
+  for (MethodTimes& own : *times) {
+    auto run = read_run_folder((path / own.method).string());
+    if (!run) return run.error();
+    report.methods.push_back({std::move(own), std::move(*run), std::nullopt});
+  }
+  if (report.by_truth()) return report;
+  const std::string first = (path / report.methods.front().name() / "online.tum").string();
+  for (MethodRun& method : report.methods) {
+    auto compared =
+        compare_run({.estimate = method.run.folder, .truth = first, .truth_offset = -method.run.summary.first_frame});
+    if (compared) method.beside_first = std::move(*compared);
+  }
+  return report;
+}
+
+std::string methods_page_html(const MethodsReport& report) {
+  std::vector<NamedRun> runs;
+  for (const MethodRun& method : report.methods) runs.push_back({method.name(), &method.run});
+  const std::string settings = internal::settings_html(report.matcher);
   return internal::page(
-      report.title, section("Drive", internal::definitions(report.facts)) +
-                        section("Methods", "<p>" + note + "</p>\n" + methods_table(report, reference)) +
-                        section("Trajectory from above", paths) + section("Step ratios", charts) +
-                        section("Uncertainty", sds) + section("Pitch of the road", angles) +
-                        section("Refusals", reasons_table(report)) + section("Time", times_figure(report)) +
-                        section("Sample frames", samples) + section("Warnings", internal::list_html(report.warnings)));
+      fmt::format("Scale by {} method{}", runs.size(), runs.size() == 1 ? "" : "s"),
+      internal::verdict_html(verdict_of(report)) + section("Drive", internal::facts_html(report.matcher)) +
+          section("Methods", methods_table(report)) +
+          section("Errors against " + escape_html(reference_of(report)), errors_section(report)) +
+          section("Trajectory from above", internal::styles_note(runs.size()) + internal::trajectory_figure(runs)) +
+          section("Steps, and pitch and roll of the road", charts(report)) +
+          section("Uncertainty", internal::sd_figure(runs)) + section("Coverage", coverage_section(report, runs)) +
+          section("Time", times_section(report)) + section("Sample frames", internal::samples_html(report.matcher)) +
+          section("Warnings", internal::list_html(warnings_of(report))) +
+          section("Configuration", settings.empty() ? ""
+                                                    : settings + paragraph("The methods differ in "
+                                                                           "ground.method alone.")));
 }
 
 Result<void> write_scale_report(const std::string& folder) {
-  const fs::path path = folder;
-  MethodsPage report;
-  auto methods = read_methods_table((path / "methods.csv").string());
-  if (!methods) return methods.error();
-  report.methods = std::move(*methods);
-  report.title = fmt::format("Scale by {} methods", report.methods.size());
-  const std::string summary = (path / "summary.json").string();
-  std::error_code ignored;
-  if (fs::exists(summary, ignored)) {
-    const auto text = read_text(summary);
-    if (!text) return text.error();
-    const Json json = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
-    if (!json.is_object()) return bad_input(summary + ": isn't JSON");
-    take_summary(json, report);
-    take_truth(json, report);
-  }
-  if (auto matcher = read_run_folder(folder)) report.matcher = std::move(*matcher);
-  for (const MethodRows& method : report.methods) {
-    if (auto run = read_run_folder((path / method.method).string())) report.runs.push_back(std::move(*run));
-  }
-  return write_text((path / "report.html").string(), methods_page_html(report));
+  const auto report = read_methods_report(folder);
+  if (!report) return report.error();
+  return write_text((fs::path(folder) / "report.html").string(), methods_page_html(*report));
 }
 
 }  // namespace groundscale

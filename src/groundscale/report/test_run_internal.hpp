@@ -34,6 +34,11 @@ struct WrittenRun {
   void write(const TempFolder& folder, const std::string& name) const {
     folder.file(name + "/trajectory.kitti", rows(step_m));
     folder.file(name + "/online.kitti", rows(step_m));
+    std::string tum;
+    for (int k = 0; k < frames; ++k) {
+      tum += tum_row(0.1 * k, {Eigen::Matrix3d::Identity(), {0.0, 0.0, step_m * k}}) + "\n";
+    }
+    folder.file(name + "/online.tum", tum);
     std::string csv =
         "frame,time_s,state,step_m,step_sd_m,online_step_m,raw_step_m,raw_step_sd_m,pitch_deg,roll_deg,matches,"
         "road_matches,road_inliers,reason,online_step_sd_m,map_scale,drift_ratio\n";
