@@ -147,6 +147,7 @@ struct BadRow {
   std::function<std::vector<std::string>(const TempFolder&)> arguments;
   std::string message;
 };
+// NOLINTNEXTLINE(readability-identifier-naming): the name that GoogleTest looks for
 void PrintTo(const BadRow& row, std::ostream* stream) { *stream << row.name; }
 
 class BadReport : public testing::TestWithParam<BadRow> {};

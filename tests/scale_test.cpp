@@ -68,7 +68,7 @@ TEST(Scale, ItsPageHasTheFiguresOfEvaluate) {
     ASSERT_TRUE(evaluation) << evaluation.error().message;
     EXPECT_THAT(html, HasSubstr(cells(name, evaluation->raw_scale->all)));
     EXPECT_THAT(html, HasSubstr(cells(name, evaluation->online_scale->all)));
-    EXPECT_THAT(html, HasSubstr("<a href=\"" + name + "/report.html\">" + name + "</a>"));
+    EXPECT_THAT(html, HasSubstr(fmt::format("<a href=\"{0}/report.html\">{0}</a>", name)));
     EXPECT_TRUE(std::filesystem::exists(folder / ("output/" + name + "/report.html")));
   }
   for (const char* part : {"Nearest to the truth: ", "</svg>roll</li>", "<h2>Configuration</h2>", "tracking</text>",
