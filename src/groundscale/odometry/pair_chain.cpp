@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -247,11 +246,12 @@ double PairChain::take_measured(const PairMotion& pair, GroundObservation observ
   mounting_.accept(*result.pitch_rad, *result.roll_rad, mounting_weight(curvature_per_m, result.raw_sd));
   const double distance = std::exp(observation.log_distance);
   const double expected = lead_of(pair) + expected_step;
+  const bool was_scaled = scaled_;
   if (!scaled_) take_scale(distance, expected);
   observation.lead_m = lead_of(pair);
   // A pair that is shorter than what of it is thought to lie behind: that was too much, and so is what is expected of
   // the present step, by the same factor.
-  if (distance < (1.0 + kMinShareOfLead) * observation.lead_m) observation.lead_m *= distance / expected;
+  if (was_scaled && distance < (1.0 + kMinShareOfLead) * observation.lead_m) observation.lead_m *= distance / expected;
   // A log that has begun alone and turns out to be quite wrong is as if it had never been.
   const bool anew = !ground_seen_ && std::abs(std::log(distance / expected)) > kGrossLogRatio;
   if (!filter_->started() || anew) {

@@ -1,6 +1,5 @@
 #include "groundscale/odometry/pair_chain.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -78,6 +77,15 @@ TEST_F(PairChains, APairThatIsShorterThanWhatLiesBeforeItSaysThatThisWasTooMuch)
   ASSERT_TRUE(seen.accepted()) << seen.reason;
   EXPECT_NEAR(seen.online_step_m, 3.0 / 11.0, 0.1 * kStepM);
   EXPECT_NEAR(pitch_deg(), 0.0, 0.5);
+}
+
+TEST_F(PairChains, AFirstScaleFromALongPairIsThatOfItsShortSteps) {
+  constexpr int kFramesBefore = 29;
+  for (int k = 0; k < kFramesBefore; ++k) EXPECT_FALSE(move(1, 0.0).accepted());
+  // 30 steps in 24 m: the last one isn't what the others leave over.
+  const FrameResult& seen = move(kFramesBefore + 1, 30 * kStepM);
+  ASSERT_TRUE(seen.accepted()) << seen.reason;
+  EXPECT_NEAR(seen.online_step_m, kStepM, 0.05 * kStepM);
 }
 
 TEST_F(PairChains, WhereTheRoadIsSearchedForItIsExpectedAsOnAverage) {

@@ -17,7 +17,7 @@ void visit_fields(DenseOptions& options, FieldVisitor& visitor) {
                 options.levels);
   visitor.field({.key = "max_pixels",
                  .unit = "",
-                 .help = "pixels of the region that are compared at each of them",
+                 .help = "about so many pixels of the region are compared at each of them",
                  .min = 100,
                  .max = 10000000},
                 options.max_pixels);

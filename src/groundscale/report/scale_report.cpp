@@ -251,6 +251,7 @@ std::string methods_page_html(const MethodsReport& report) {
   std::vector<NamedRun> runs;
   for (const MethodRun& method : report.methods) runs.push_back({method.name(), &method.run});
   const std::string settings = internal::settings_html(report.matcher);
+  const std::string samples = internal::samples_html(report.matcher);
   return internal::page(
       fmt::format("Scale by {} method{}", runs.size(), runs.size() == 1 ? "" : "s"),
       internal::verdict_html(verdict_of(report)) + section("Drive", internal::facts_html(report.matcher)) +
@@ -259,7 +260,9 @@ std::string methods_page_html(const MethodsReport& report) {
           section("Trajectory from above", internal::styles_note(runs.size()) + internal::trajectory_figure(runs)) +
           section("Steps, and pitch and roll of the road", charts(report)) +
           section("Uncertainty", internal::sd_figure(runs)) + section("Coverage", coverage_section(report, runs)) +
-          section("Time", times_section(report)) + section("Sample frames", internal::samples_html(report.matcher)) +
+          section("Time", times_section(report)) +
+          section("Sample frames",
+                  samples.empty() ? "" : paragraph("Of the odometry that matched the images for all.") + samples) +
           section("Warnings", internal::list_html(warnings_of(report))) +
           section("Configuration", settings.empty() ? ""
                                                     : settings + paragraph("The methods differ in "
