@@ -44,8 +44,9 @@ class ComparedMethod final : public DriveOutcome {
 /// mounting, and has gates, filter and chain of its own.
 ///
 /// What a method starts from where it looks nearby (RoadObservations::predicted_plane) is its own filter's prediction,
-/// or that of the odometry where the method has no scale yet or has lost its hold (PairChain::needs_search): as a program on its own
-/// searches anew then, none stays lost because of where it has once been. Deterministic but for the times.
+/// or that of the odometry where the method has no scale yet or has lost its hold (PairChain::needs_search): as a
+/// program on its own searches anew then, none stays lost because of where it has once been. Deterministic but for the
+/// times.
 class MethodComparison {
  public:
   /// @param methods  Rows of `ground_methods` or the caller's own.
