@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <ctime>
-#include <numbers>
 #include <optional>
 #include <string_view>
 #include <tuple>
@@ -12,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "groundscale/experiments/road_truth.hpp"
 #include "groundscale/io/camera_file.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/image_file.hpp"
@@ -25,10 +25,10 @@ namespace {
 
 using internal::bad_input;
 
-std::vector<std::string_view> cells_of(std::string_view line, char separator) {
+std::vector<std::string_view> cells_of(std::string_view line) {
   std::vector<std::string_view> cells;
   for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = line.find(separator, begin);
+    const std::size_t end = line.find(';', begin);
     cells.push_back(line.substr(begin, end == std::string_view::npos ? end : end - begin));
     if (end == std::string_view::npos) break;
     begin = end + 1;
@@ -36,39 +36,12 @@ std::vector<std::string_view> cells_of(std::string_view line, char separator) {
   return cells;
 }
 
-/// A row of truth.csv.
-struct TrueRoad {
-  std::optional<GroundPlane> plane;
-  double speed_mps = 0.0;
-};
-
-Result<std::vector<TrueRoad>> read_truth(const std::string& path) {
-  const auto text = read_text(path);
-  if (!text) return text.error();
-  std::vector<TrueRoad> rows;
-  for (const internal::Line& line : internal::split_lines(*text)) {
-    if (line.number == 1 || line.text.empty()) continue;
-    const std::vector<std::string_view> cells = cells_of(line.text, ',');
-    const auto number = [&cells](std::size_t column) { return internal::parse_number(cells[column]); };
-    constexpr std::size_t kColumns = 7;  // frame, height, plane's height, its normal, speed
-    if (cells.size() != kColumns || !number(6)) {
-      return bad_input(fmt::format("{}, line {}: seven columns expected", path, line.number));
-    }
-    TrueRoad row{std::nullopt, *number(6)};
-    if (number(2) && number(3) && number(4) && number(5)) {
-      row.plane = GroundPlane{Eigen::Vector3d(*number(3), *number(4), *number(5)).normalized(), *number(2)};
-    }
-    rows.push_back(row);
-  }
-  return rows;
-}
-
 /// A simulated drive, image by image.
 struct Drive {
   std::string folder;
   CameraPtr camera;
   Trajectory poses;
-  std::vector<TrueRoad> roads;
+  std::vector<RoadTruth> roads;
 
   std::string file(const char* part, std::size_t frame) const {
     return fmt::format("{}/{}/{:06d}.png", folder, part, frame);
@@ -80,7 +53,7 @@ Result<Drive> open_drive(const std::string& folder) {
   drive.folder = folder;
   auto poses = read_trajectory(folder + "/poses.txt");
   if (!poses) return poses.error();
-  auto roads = read_truth(folder + "/truth.csv");
+  auto roads = read_road_truth(folder + "/truth.csv");
   if (!roads) return roads.error();
   if (roads->size() < poses->world_from_cam.size()) {
     return bad_input(folder + "/truth.csv: fewer rows than poses.txt has");
@@ -171,9 +144,8 @@ Result<std::optional<PairOfFrames>> pair_at(const Drive& drive, std::size_t k, c
   pair.warp = {poses[k].inverse() * poses[k - 1], *drive.roads[k - 1].plane};
   constexpr double kStandingM = 0.02;
   if (pair.warp.cam2_from_cam1.translation.norm() < kStandingM) return std::optional<PairOfFrames>();
-  DrivenPath path =
-      path_of_motion(pair.warp.cam2_from_cam1, pair.warp.road_in_cam1.normal_in_cam, Eigen::Vector3d::UnitZ());
-  path.max_turn_rad = options.road.region.max_turn_deg * std::numbers::pi / 180.0;
+  const DrivenPath path = path_of_motion(pair.warp.cam2_from_cam1, pair.warp.road_in_cam1.normal_in_cam,
+                                         Eigen::Vector3d::UnitZ(), options.road.region.max_turn_deg);
   for (const auto& [part, frame, image] :
        {std::tuple("image_0", k, &pair.first), std::tuple("image_0", k + 1, &pair.second),
         std::tuple("road_masks", k, &pair.region)}) {
@@ -234,7 +206,7 @@ Result<std::vector<MatchedPair>> read_pairs(const std::string& path) {
   std::vector<MatchedPair> pairs;
   for (const internal::Line& line : internal::split_lines(*text)) {
     if (line.number == 1 || line.text.empty()) continue;
-    const std::vector<std::string_view> cells = cells_of(line.text, ';');
+    const std::vector<std::string_view> cells = cells_of(line.text);
     constexpr std::size_t kColumns = 5;
     if (cells.size() != kColumns) return bad_input(fmt::format("{}, line {}: can't be read", path, line.number));
     const auto frame = internal::parse_integer(cells[0]);

@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
-#include <numbers>
 #include <system_error>
 #include <utility>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "groundscale/experiments/road_truth.hpp"
 #include "groundscale/geometry/essential.hpp"
-#include "groundscale/io/files.hpp"
 #include "groundscale/io/text_internal.hpp"
 #include "groundscale/io/trajectory_file.hpp"
 #include "groundscale/plane/methods.hpp"
@@ -23,20 +22,11 @@ namespace {
 
 /// Mean of the road's normals in a drive's truth.csv; nothing where it has none.
 std::optional<Eigen::Vector3d> mean_normal_of(const std::string& truth_file) {
-  const auto text = read_text(truth_file);
-  if (!text) return std::nullopt;
-  constexpr std::size_t kFirst = 3, kCells = 7;  // normal_x, of seven columns
+  const auto rows = read_road_truth(truth_file);
+  if (!rows) return std::nullopt;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const internal::Line& line : internal::split_lines(*text)) {
-    std::vector<std::string> cells(1);
-    for (const char c : line.text) {
-      if (c == ',') cells.emplace_back();
-      if (c != ',') cells.back() += c;
-    }
-    if (cells.size() != kCells) continue;
-    const auto x = internal::parse_number(cells[kFirst]), y = internal::parse_number(cells[kFirst + 1]),
-               z = internal::parse_number(cells[kFirst + 2]);
-    if (x && y && z) sum += Eigen::Vector3d(*x, *y, *z);
+  for (const RoadTruth& row : *rows) {
+    if (row.plane) sum += row.plane->normal_in_cam;
   }
   if (!(sum.norm() > 0.0)) return std::nullopt;
   return sum.normalized();
@@ -163,9 +153,8 @@ void PairWalk::expect() {
 }
 
 DrivenPath PairWalk::path_of(const RoadWarp& warp) const {
-  DrivenPath path = path_of_motion(warp.cam2_from_cam1, warp.road_in_cam1.normal_in_cam, mounting_.forward_in_cam());
-  path.max_turn_rad = options_.odometry.road.region.max_turn_deg * std::numbers::pi / 180.0;
-  return path;
+  return path_of_motion(warp.cam2_from_cam1, warp.road_in_cam1.normal_in_cam, mounting_.forward_in_cam(),
+                        options_.odometry.road.region.max_turn_deg);
 }
 
 Image PairWalk::region(const RegionOptions& options) const {
@@ -191,9 +180,7 @@ RoadObservations PairWalk::observe(const Image& region, const RegionOptions& opt
       estimate_plane_sparse(observed(matcher.match_roughly(partner, frame_.image, better.warp, *camera()), better),
                             options_.odometry.ground.plane, rng);
   if (plane) {
-    const double distance_m = camera_height_m() / plane->plane.height;
-    better.warp.cam2_from_cam1.translation = distance_m * pair_.motion.cam2_from_cam1.translation;
-    better.warp.road_in_cam1 = {plane->plane.normal_in_cam, camera_height_m()};
+    better.warp = warp_in_metres(plane->plane, pair_.motion.cam2_from_cam1, camera_height_m());
     better.path = path_of(better.warp);
   }
   const Matches matches = matcher.match(partner, frame_.image, better.warp, plane.has_value(), *camera());

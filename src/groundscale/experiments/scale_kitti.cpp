@@ -3,20 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 
 #include <fmt/format.h>
 
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/evaluation/pairing.hpp"
+#include "groundscale/experiments/method_choice.hpp"
 #include "groundscale/experiments/report_parts.hpp"
 #include "groundscale/experiments/scale_kitti_report_internal.hpp"
 #include "groundscale/experiments/source_drive.hpp"
 #include "groundscale/experiments/work_unit.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/text_internal.hpp"
-#include "groundscale/odometry/method_comparison.hpp"
-#include "groundscale/road/ground_methods.hpp"
+#include "groundscale/report/scale_report.hpp"
 
 namespace groundscale {
 namespace {
@@ -35,14 +34,17 @@ struct Pass {
   std::vector<std::string> methods;
 };
 
-std::vector<Pass> passes_of(const std::vector<std::string>& methods) {
+std::vector<Pass> passes_of(const std::vector<PlaneMethod>& methods) {
+  std::vector<std::string> all;
   std::vector<std::string> scale_alone;
   std::vector<std::string> whole_plane;
-  for (const std::string& method : methods)
-    (find_ground_method(method)->scale_alone ? scale_alone : whole_plane).push_back(method);
+  for (const PlaneMethod& method : methods) {
+    all.emplace_back(method.name);
+    (method.scale_alone ? scale_alone : whole_plane).emplace_back(method.name);
+  }
   std::vector<Pass> passes;
   for (const char* region : {"fixed", "path"}) {
-    passes.push_back({fmt::format("{}-model", region), region, "model", "model", methods});
+    passes.push_back({fmt::format("{}-model", region), region, "model", "model", all});
     if (!whole_plane.empty()) {
       passes.push_back({fmt::format("{}-paper", region), region, "paper", "paper", whole_plane});
     }
@@ -96,31 +98,10 @@ Result<std::vector<std::string>> pass_arguments(const Pass& pass, const Rendered
   return arguments;
 }
 
-/// A field of a row of methods.csv, none of those before which can hold a comma.
-std::string_view field(std::string_view row, int number) {
-  for (int k = 0; k < number; ++k) row.remove_prefix(std::min(row.find(',') + 1, row.size()));
-  return row.substr(0, row.find(','));
-}
-
-/// Median of the times in methods.csv.
-std::map<std::string, double> median_times(const std::string& csv) {
-  std::map<std::string, std::vector<double>> times;
-  for (const internal::Line& line : internal::split_lines(csv)) {
-    constexpr int kMethod = 1;
-    constexpr int kTime = 8;
-    const auto ms = internal::parse_number(field(line.text, kTime));
-    if (ms) times[std::string(field(line.text, kMethod))].push_back(*ms);
-  }
-  std::map<std::string, double> medians;
-  for (const auto& [method, values] : times) medians[method] = median(values);
-  return medians;
-}
-
 /// Rows of what a pass has left in its folder.
 Result<std::vector<ScaleRow>> read_pass(const Pass& pass, const std::string& folder, const RenderedDrive& drive) {
-  const auto csv = read_text(folder + "/methods.csv");
-  if (!csv) return Error{ErrorCode::kIo, csv.error().message};
-  const auto times = median_times(*csv);
+  const auto times = read_method_times(folder + "/methods.csv");
+  if (!times) return Error{ErrorCode::kIo, times.error().message};
   std::vector<ScaleRow> rows;
   for (const std::string& method : pass.methods) {
     const auto paired = pair_drive({.estimate = fmt::format("{}/{}", folder, method), .truth = drive.truth()});
@@ -129,7 +110,8 @@ Result<std::vector<ScaleRow>> read_pass(const Pass& pass, const std::string& fol
     if (!evaluation) return Error{ErrorCode::kIo, evaluation.error().message};
     ScaleRow row{.drive = drive.name, .real = drive.real, .setting = {pass.region, pass.filter}, .method = method};
     if (evaluation->coverage->accepted.of > 0) row.coverage = evaluation->coverage->accepted.value();
-    if (const auto time = times.find(method); time != times.end()) row.time_ms = time->second;
+    const auto time = std::find_if(times->begin(), times->end(), [&](const auto& one) { return one.method == method; });
+    if (time != times->end() && !time->time_ms.empty()) row.time_ms = median(time->time_ms);
     row.scale = *evaluation->online_scale;
     rows.push_back(row);
     // Unfiltered figures are those of the measurements that our filter's pass has accepted.
@@ -182,13 +164,11 @@ Result<ExperimentOutcome> report(ScaleKittiResult result, const ExperimentReques
 
 }  // namespace
 
-Result<ExperimentOutcome> run_scale_kitti(ScaleKittiOptions options, const RunSettings& settings,
+Result<ExperimentOutcome> run_scale_kitti(const ScaleKittiOptions& options, const RunSettings& settings,
                                           const ExperimentRequest& request) {
   if (const auto valid = settings.validate(); !valid) return valid.error();
-  if (options.methods.empty()) {
-    for (const PlaneMethod& method : ground_methods()) options.methods.emplace_back(method.name);
-  }
-  if (const auto known = choose_methods(options.methods); !known) return known.error();
+  const auto methods = choose_ground_methods(options.methods, {});
+  if (!methods) return methods.error();
   const auto choices = choose_drives(options.drives);
   if (!choices) return choices.error();
   if (const auto free = check_experiment_folder(kScaleKittiName, request); !free) return free.error();
@@ -204,7 +184,7 @@ Result<ExperimentOutcome> run_scale_kitti(ScaleKittiOptions options, const RunSe
       result.problems.push_back(fmt::format("drive {}: {}", choice.name, drive.error().message));
       continue;
     }
-    for (const Pass& pass : passes_of(options.methods)) {
+    for (const Pass& pass : passes_of(*methods)) {
       const auto added = add_pass(pass, *drive, settings, request, result);
       if (!added)
         result.problems.push_back(fmt::format("drive {}, {}: {}", choice.name, pass.name, added.error().message));

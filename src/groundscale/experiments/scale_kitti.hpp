@@ -22,7 +22,7 @@ struct ScaleKittiOptions {
 /// The experiment `scale-kitti` (docs/experiments.md), after the figure of scale errors in Zhou, Dai, Li 2019: every
 /// method on the same matches, in a fixed region and in ours, as measured, with the paper's filter and with ours.
 /// @return kBadInput, before anything is written; kIo where no drive comes to its end or the report can't be written.
-Result<ExperimentOutcome> run_scale_kitti(ScaleKittiOptions options, const RunSettings& settings,
+Result<ExperimentOutcome> run_scale_kitti(const ScaleKittiOptions& options, const RunSettings& settings,
                                           const ExperimentRequest& request);
 
 }  // namespace groundscale

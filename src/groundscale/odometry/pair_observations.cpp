@@ -27,6 +27,12 @@ GroundPlane plane_in_baselines(const RoadWarp& expected) {
           expected.road_in_cam1.height / expected.cam2_from_cam1.translation.norm()};
 }
 
+RoadWarp warp_in_metres(const GroundPlane& in_baselines, const RigidTransform& cam2_from_cam1, double camera_height_m) {
+  const double distance_m = camera_height_m / in_baselines.height;
+  return {{cam2_from_cam1.rotation, distance_m * cam2_from_cam1.translation},
+          {in_baselines.normal_in_cam, camera_height_m}};
+}
+
 RoadObservations observe_pair(const Pair& pair, const Matches& road_matches, const CameraPtr& camera,
                               const ExpectedRoad& expected, const RegionOptions& region) {
   const GroundPlane& road = expected.warp.road_in_cam1;

@@ -17,6 +17,8 @@ struct ExpectedRoad {
 
 /// The road of a warp in units of its baseline, as RoadObservations::predicted_plane has it.
 GroundPlane plane_in_baselines(const RoadWarp& expected);
+/// The inverse: a plane in baselines of a motion, |t| = 1, as the warp that it means for a camera of that height.
+RoadWarp warp_in_metres(const GroundPlane& in_baselines, const RigidTransform& cam2_from_cam1, double camera_height_m);
 
 /// A pair's road matches as what a plane is measured from: the pair's motion with its covariance, |t| = 1; the road's
 /// points, which count less the farther they lie from the path (all alike in a fixed region, where nothing is known of

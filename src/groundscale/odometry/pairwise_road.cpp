@@ -1,5 +1,4 @@
 // The road's part of the pairwise odometry: what is expected, where it is looked for, what is measured and accepted.
-#include <numbers>
 #include <utility>
 
 #include "groundscale/odometry/pair_observations.hpp"
@@ -19,9 +18,8 @@ RoadMeasurement road_measurement(PlaneMeasurement plane, const RoadSights& sight
 }
 
 DrivenPath PairwiseOdometry::path_of(const RoadWarp& warp) const {
-  DrivenPath path = path_of_motion(warp.cam2_from_cam1, warp.road_in_cam1.normal_in_cam, mounting().forward_in_cam());
-  path.max_turn_rad = options_.road.region.max_turn_deg * std::numbers::pi / 180.0;
-  return path;
+  return path_of_motion(warp.cam2_from_cam1, warp.road_in_cam1.normal_in_cam, mounting().forward_in_cam(),
+                        options_.road.region.max_turn_deg);
 }
 
 /// What the present road matches say of the plane.
@@ -72,9 +70,7 @@ Result<RoadMeasurement> PairwiseOdometry::measure_road(const Pair& pair, double 
   road_matches_ = road_matcher_.match_roughly(partner, frame.image, warp, *camera_);
   Result<PlaneMeasurement> plane = measure_plane(refine_warp_, pair, warp, frame.image);
   if (plane) {
-    const double distance_m = camera_height_m_ / plane->plane.height;
-    warp.cam2_from_cam1.translation = distance_m * pair.motion.cam2_from_cam1.translation;
-    warp.road_in_cam1 = {plane->plane.normal_in_cam, camera_height_m_};
+    warp = warp_in_metres(plane->plane, pair.motion.cam2_from_cam1, camera_height_m_);
   }
   road_matches_ = road_matcher_.match(partner, frame.image, warp, plane.has_value(), *camera_);
   plane = measure_plane(estimate_plane_, pair, warp, frame.image);

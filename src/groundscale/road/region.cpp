@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include <Eigen/Geometry>
@@ -81,7 +82,8 @@ double DrivenPath::sd_m(double along_m) const {
 }
 
 DrivenPath path_of_motion(const RigidTransform& metric_cam2_from_cam1, const Eigen::Vector3d& normal_in_cam,
-                          const Eigen::Vector3d& mounting_forward_in_cam) {
+                          const Eigen::Vector3d& mounting_forward_in_cam, double max_turn_deg) {
+  const double max_turn_rad = max_turn_deg * std::numbers::pi / 180.0;
   const Eigen::Vector3d on_road =
       Eigen::Vector3d(mounting_forward_in_cam - normal_in_cam * normal_in_cam.dot(mounting_forward_in_cam))
           .normalized();
@@ -89,7 +91,7 @@ DrivenPath path_of_motion(const RigidTransform& metric_cam2_from_cam1, const Eig
   const Eigen::Vector3d chord = camera2_in_cam1 - normal_in_cam * normal_in_cam.dot(camera2_in_cam1);
   const double length = chord.norm();
   constexpr double kMinStepM = 0.05;  // below, the direction is the noise's
-  if (length < kMinStepM) return {on_road, 0.0};
+  if (length < kMinStepM) return {on_road, 0.0, max_turn_rad};
 
   // Turn to the right is a positive rotation of the vehicle about the downward normal; the camera's is its inverse's.
   const double turn = normal_in_cam.dot(log_so3(metric_cam2_from_cam1.rotation.transpose()));
@@ -98,8 +100,8 @@ DrivenPath path_of_motion(const RigidTransform& metric_cam2_from_cam1, const Eig
   const Eigen::Vector3d tangent = exp_so3(-0.5 * turn * normal_in_cam) * Eigen::Vector3d(sense * chord / length);
   // A chord that points far from where the camera looks along the road isn't the vehicle's path.
   constexpr double kMaxHeading = 0.5;
-  if (tangent.cross(on_road).norm() > std::sin(kMaxHeading)) return {on_road, 0.0};
-  return {tangent, sense * turn / length};
+  if (tangent.cross(on_road).norm() > std::sin(kMaxHeading)) return {on_road, 0.0, max_turn_rad};
+  return {tangent, sense * turn / length, max_turn_rad};
 }
 
 Eigen::Vector3d point_on_path(const DrivenPath& path, const GroundPlane& metric_road, double along_m, double aside_m) {

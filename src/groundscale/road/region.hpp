@@ -47,8 +47,9 @@ struct DrivenPath {
 /// Path ahead of camera 1 from the motion to camera 2: chord and turn of the step in between; for a vehicle that drives
 /// forwards or backwards, `forward_in_cam` always points to where the strip lies (along +forward of the mounting).
 /// @param metric_cam2_from_cam1  Translation in metres.
+/// @param max_turn_deg           Beyond this turn the path goes straight on.
 DrivenPath path_of_motion(const RigidTransform& metric_cam2_from_cam1, const Eigen::Vector3d& normal_in_cam,
-                          const Eigen::Vector3d& mounting_forward_in_cam);
+                          const Eigen::Vector3d& mounting_forward_in_cam, double max_turn_deg);
 
 /// Point of the road at `along_m` of the path's arc and `aside_m` to its right, in the camera.
 Eigen::Vector3d point_on_path(const DrivenPath& path, const GroundPlane& metric_road, double along_m, double aside_m);

@@ -169,7 +169,7 @@ RigidTransform motion_on_circle(const Mounting& mounting, double radius_m, doubl
 TEST(PathOfMotion, OfARightTurnHasPositiveCurvature) {
   for (const double radius : {25.0, -25.0, 400.0}) {
     const DrivenPath path =
-        path_of_motion(motion_on_circle(kTilted, radius, 0.9), kTilted.normal_in_cam(), kTilted.forward_in_cam());
+        path_of_motion(motion_on_circle(kTilted, radius, 0.9), kTilted.normal_in_cam(), kTilted.forward_in_cam(), 20.0);
     // The chord is shorter than the arc by turn^2 / 24.
     EXPECT_NEAR(path.curvature_per_m, 1.0 / radius, 1e-4 / std::abs(radius));
     EXPECT_LT((path.forward_in_cam - kTilted.forward_in_cam()).norm(), 1e-9);
@@ -178,7 +178,7 @@ TEST(PathOfMotion, OfARightTurnHasPositiveCurvature) {
 
 TEST(PathOfMotion, InReverseStillPointsForwardsAlongTheSameCircle) {
   const DrivenPath path =
-      path_of_motion(motion_on_circle(kTilted, 25.0, -0.9), kTilted.normal_in_cam(), kTilted.forward_in_cam());
+      path_of_motion(motion_on_circle(kTilted, 25.0, -0.9), kTilted.normal_in_cam(), kTilted.forward_in_cam(), 20.0);
   EXPECT_NEAR(path.curvature_per_m, 1.0 / 25.0, 1e-4 / 25.0);
   EXPECT_LT((path.forward_in_cam - kTilted.forward_in_cam()).norm(), 1e-9);
 }
@@ -186,10 +186,10 @@ TEST(PathOfMotion, InReverseStillPointsForwardsAlongTheSameCircle) {
 TEST(PathOfMotion, OfAStepTooShortOrFarFromAheadIsStraight) {
   const Eigen::Vector3d normal = kTilted.normal_in_cam();
   const DrivenPath still =
-      path_of_motion({exp_so3(0.01 * normal), {0.0, 0.0, 0.001}}, normal, kTilted.forward_in_cam());
+      path_of_motion({exp_so3(0.01 * normal), {0.0, 0.0, 0.001}}, normal, kTilted.forward_in_cam(), 20.0);
   EXPECT_EQ(still.curvature_per_m, 0.0);
   const DrivenPath sideways =
-      path_of_motion({exp_so3(0.01 * normal), -1.0 * kTilted.right_in_cam()}, normal, kTilted.forward_in_cam());
+      path_of_motion({exp_so3(0.01 * normal), -1.0 * kTilted.right_in_cam()}, normal, kTilted.forward_in_cam(), 20.0);
   EXPECT_EQ(sideways.curvature_per_m, 0.0);
   EXPECT_LT((sideways.forward_in_cam - kTilted.forward_in_cam()).norm(), 1e-12);
 }

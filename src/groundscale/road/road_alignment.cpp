@@ -13,6 +13,7 @@
 
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/geometry/so3.hpp"
+#include "groundscale/plane/refine_internal.hpp"
 #include "groundscale/plane/transfer_internal.hpp"
 
 namespace groundscale {
@@ -104,12 +105,6 @@ class LevelSolver {
   const PlaneOptions& options_;
   double weight_ = 0.0;
 };
-
-/// Derivative of n = m / |m| by m.
-Eigen::Matrix3d normal_by_m(const Eigen::Vector3d& m) {
-  const Eigen::Vector3d n = m.normalized();
-  return (Eigen::Matrix3d::Identity() - n * n.transpose()) / m.norm();
-}
 
 /// The plane, its normal turned about the axis across the direction of travel, its height times a factor.
 PhotometricState tilted(const PhotometricState& state, double pitch_rad, double height_factor) {

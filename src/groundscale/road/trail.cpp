@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace groundscale {
 namespace {
@@ -94,9 +93,8 @@ DrivenPath path_of_trail(const Trail& trail, const PathAheadOptions& options, co
     past = cam_from_past;
     if (past.translation.norm() >= options.heading_m) break;
   }
-  DrivenPath path = path_of_motion(past.inverse(), normal_in_cam, mounting_forward_in_cam);
+  DrivenPath path = path_of_motion(past.inverse(), normal_in_cam, mounting_forward_in_cam, options.max_turn_deg);
   path.steady_m = options.steady_m;
-  path.max_turn_rad = options.max_turn_deg * std::numbers::pi / 180.0;
   return path;
 }
 
