@@ -1,5 +1,6 @@
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -28,21 +29,53 @@ void add_common(CLI::App& command, ExperimentRequest& request) {
   command.add_flag("--quiet", request.quiet, "No progress");
 }
 
+/// An option that takes values with commas between them, `form` of them.
+template <class T>
+CLI::Option* add_list(CLI::App& command, const std::string& name, std::vector<T>& values, const std::string& help,
+                      const std::string& form) {
+  return command.add_option(name, values, help)->delimiter(',')->allow_extra_args(false)->option_text(form);
+}
+
+void add_assignments(CLI::App& command, std::vector<std::string>& assignments, const std::string& help) {
+  command.add_option("--set", assignments, help)->expected(1)->take_all();
+}
+
+/// Poses of KITTI odometry to render drives along.
+void add_kitti_poses(CLI::App& command, std::string& folder) {
+  command
+      .add_option("--kitti", folder, "Folder with KITTI odometry's poses/NN.txt and times; built-in routes without it")
+      ->option_text("PATH");
+}
+
 /// Which drives, of those that leave the choice.
 void add_choice(CLI::App& command, DriveOptions& drives, const std::string& which) {
-  command.add_option("--sequences", drives.sequences, "Which drives, NAME or NAME:FRAMES, or all (" + which + ")")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->option_text("NAME,NAME,...");
+  add_list(command, "--sequences", drives.sequences, "Which drives, NAME or NAME:FRAMES, or all (" + which + ")",
+           "NAME,NAME,...");
   command.add_option("--frames", drives.frames, "At most so many frames of each drive")->check(CLI::Range(2, 1000000));
+}
+
+void add_threads(CLI::App& command, int& threads) {
+  command.add_option("--threads", threads, "For rendering; the images are the same with any number")
+      ->check(CLI::PositiveNumber);
+}
+
+void add_preset(CLI::App& command, DriveOptions& drives) {
+  command.add_option("--preset", drives.preset, "Camera and its place on the vehicle");
 }
 
 /// Options of those that render drives and run on them.
 void add_drive_settings(CLI::App& command, DriveOptions& drives, RunSettings& settings) {
   command.add_option("--seed", drives.seed, "Of world, vehicle, sensor and run")->check(CLI::NonNegativeNumber);
-  command.add_option("--threads", drives.threads, "For rendering; the images are the same with any number")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--set", settings.assignments, "KEY=VALUE of the run's configuration")->expected(1)->take_all();
+  add_threads(command, drives.threads);
+  add_assignments(command, settings.assignments, "KEY=VALUE of the run's configuration");
+}
+
+/// Options of those that render drives and look at pairs of frames themselves.
+void add_walk_settings(CLI::App& command, DriveOptions& drives, std::vector<std::string>& assignments) {
+  add_preset(command, drives);
+  command.add_option("--seed", drives.seed, "Of world, vehicle and sensor")->check(CLI::NonNegativeNumber);
+  add_threads(command, drives.threads);
+  add_assignments(command, assignments, "KEY=VALUE of the odometry's configuration");
 }
 
 /// Drives that are there, or simulated in their place.
@@ -54,7 +87,7 @@ void add_recorded_or_simulated(CLI::App& command, DriveOptions& drives, bool& si
       ->option_text("PATH");
   command.add_option("--clips", drives.clips, "Real drives instead: NN/image_0 and NN/poses.txt")->option_text("PATH");
   command.add_flag("--simulate", simulate, "Simulate those of --kitti that have images, too");
-  command.add_option("--preset", drives.preset, "Camera and its place on the vehicle");
+  add_preset(command, drives);
 }
 
 int finish(const Result<ExperimentOutcome>& outcome) {
@@ -80,12 +113,9 @@ void add_drives(CLI::App& parent, int& exit_status) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = parent.add_subcommand(kDrivesName, kDrivesSummary);
   add_common(*command, arguments->request);
-  command
-      ->add_option("--kitti", arguments->drives.kitti,
-                   "Folder with KITTI odometry's poses/NN.txt and times; built-in routes without it")
-      ->option_text("PATH");
+  add_kitti_poses(*command, arguments->drives.kitti);
   add_choice(*command, arguments->drives, "default 06,07,10,00:1501, or all routes");
-  command->add_option("--preset", arguments->drives.preset, "Camera and its place on the vehicle");
+  add_preset(*command, arguments->drives);
   add_drive_settings(*command, arguments->drives, arguments->settings);
   command->callback([arguments, &exit_status] {
     prepare(arguments->request);
@@ -114,10 +144,7 @@ void add_realism(CLI::App& parent, int& exit_status) {
       ->add_option("--kitti", options.drives.kitti, "Folder with the whole poses/NN.txt and times of their sequences")
       ->required()
       ->option_text("PATH");
-  command->add_option("--sequences", options.drives.sequences, "Which (default 00,07)")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->option_text("NN,NN,...");
+  add_list(*command, "--sequences", options.drives.sequences, "Which (default 00,07)", "NN,NN,...");
   command->add_option("--pair", options.pair_frame, "Frame that is shown as a pair of pictures (100)")
       ->check(CLI::NonNegativeNumber);
   add_drive_settings(*command, options.drives, arguments->settings);
@@ -139,11 +166,8 @@ struct ContestArguments {
 void add_contest(CLI::App& command, ContestArguments& arguments) {
   ContestOptions& options = arguments.options;
   add_common(command, arguments.request);
-  command
-      .add_option("--modes", options.modes, "none, triggered, filtered, continuous, pairwise (none and the default)")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->option_text("MODE,MODE,...");
+  add_list(command, "--modes", options.modes, "none, triggered, filtered, continuous, pairwise (none and the default)",
+           "MODE,MODE,...");
   command
       .add_option("--compare", options.compare,
                   "Another system's trajectories: a file, a folder with NN.txt, or a path with {} for NN; KITTI rows")
@@ -194,27 +218,19 @@ void add_calibration(CLI::App& parent, int& exit_status) {
   CalibrationTrialOptions& options = arguments->options;
   CLI::App* command = parent.add_subcommand(kCalibrationName, kCalibrationSummary);
   add_common(*command, arguments->request);
-  command->add_option("--parts", options.parts, fmt::format("Of {} (all)", fmt::join(calibration_part_names(), ", ")))
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->option_text("PART,PART,...");
+  add_list(*command, "--parts", options.parts, fmt::format("Of {} (all)", fmt::join(calibration_part_names(), ", ")),
+           "PART,PART,...");
   command
       ->add_option("--kitti", options.kitti,
                    "Folder with KITTI odometry's poses/NN.txt and times, for drives along them beside the route `city`")
       ->option_text("PATH");
-  command->add_option("--sequences", options.sequences, "Which of them (default 00:500,05:500,07:500)")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->option_text("NAME,NAME,...");
+  add_list(*command, "--sequences", options.sequences, "Which of them (default 00:500,05:500,07:500)", "NAME,NAME,...");
   command->add_option("--preset", options.preset, "Camera of the parts `seeds` and `straight` (small)");
   command->add_option("--frames", options.frames, "Of the short drives (250)")->check(CLI::Range(2, 1000000));
   command->add_option("--seeds", options.seeds, "How many worlds the part `seeds` has (20)")
       ->check(CLI::Range(1, 1000));
-  command->add_option("--threads", options.threads, "For rendering; the images are the same with any number")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--set", arguments->settings.assignments, "KEY=VALUE of the odometry's configuration")
-      ->expected(1)
-      ->take_all();
+  add_threads(*command, options.threads);
+  add_assignments(*command, arguments->settings.assignments, "KEY=VALUE of the odometry's configuration");
   command->callback([arguments, &exit_status] {
     prepare(arguments->request);
     exit_status = finish(run_calibration(arguments->options, arguments->settings, arguments->request));
@@ -223,10 +239,7 @@ void add_calibration(CLI::App& parent, int& exit_status) {
 
 /// Which ways to measure the ground.
 void add_methods(CLI::App& command, std::vector<std::string>& methods, const std::string& which) {
-  command.add_option("--methods", methods, "Values of ground.method (" + which + ")")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->option_text("NAME,NAME,...");
+  add_list(command, "--methods", methods, "Values of ground.method (" + which + ")", "NAME,NAME,...");
 }
 
 void add_scale_kitti(CLI::App& parent, int& exit_status) {
@@ -263,7 +276,7 @@ void add_synthetic(CLI::App& parent, int& exit_status) {
   add_common(*command, arguments->request);
   add_methods(*command, options.methods, "triangulation, decomposition, sparse, joint");
   const auto list = [&](const char* name, std::vector<double>& values, const std::string& what) {
-    return command->add_option(name, values, what)->delimiter(',')->allow_extra_args(false)->option_text("X,X,...");
+    return add_list(*command, name, values, what, "X,X,...");
   };
   command
       ->add_option("--source", options.source,
@@ -283,12 +296,9 @@ void add_synthetic(CLI::App& parent, int& exit_status) {
       ->check(CLI::Range(-45.0, 45.0));
   command->add_option("--preset", options.drive.preset, "Camera of the simulator's route (kitti)");
   command->add_option("--seed", options.seed, "Of scene and noise (0)")->check(CLI::NonNegativeNumber);
-  command->add_option("--threads", options.drive.threads, "For rendering")->check(CLI::PositiveNumber);
-  command
-      ->add_option("--set", options.assignments,
-                   "KEY=VALUE of ground.plane, motion, road: over settings that refuse nothing for its noise")
-      ->expected(1)
-      ->take_all();
+  add_threads(*command, options.drive.threads);
+  add_assignments(*command, options.assignments,
+                  "KEY=VALUE of ground.plane, motion, road: over settings that refuse nothing for its noise");
   command->callback([arguments, &exit_status] {
     prepare(arguments->request);
     exit_status = finish(run_synthetic(arguments->options, arguments->request));
@@ -305,23 +315,13 @@ void add_contamination(CLI::App& parent, int& exit_status) {
   CLI::App* command = parent.add_subcommand(kContaminationName, kContaminationSummary);
   add_common(*command, arguments->request);
   add_methods(*command, options.methods, "all");
-  command
-      ->add_option("--kitti", options.drives.kitti,
-                   "Folder with KITTI odometry's poses/NN.txt and times, to render drives along; routes without it")
-      ->option_text("PATH");
+  add_kitti_poses(*command, options.drives.kitti);
   add_choice(*command, options.drives, "default straight:100,city:60, or 07:100");
-  command->add_option("--shares", options.shares_percent, "How much of the region isn't road, % (0,10,20,30,40,50)")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(CLI::Range(0.0, 100.0))
-      ->option_text("X,X,...");
+  add_list(*command, "--shares", options.shares_percent, "How much of the region isn't road, % (0,10,20,30,40,50)",
+           "X,X,...")
+      ->check(CLI::Range(0.0, 100.0));
   command->add_flag("--true-motion", options.true_motion, "R and t of the truth instead of those of the matches");
-  command->add_option("--preset", options.drives.preset, "Camera and its place on the vehicle");
-  command->add_option("--seed", options.drives.seed, "Of world, vehicle and sensor")->check(CLI::NonNegativeNumber);
-  command->add_option("--threads", options.drives.threads, "For rendering")->check(CLI::PositiveNumber);
-  command->add_option("--set", options.assignments, "KEY=VALUE of the odometry's configuration")
-      ->expected(1)
-      ->take_all();
+  add_walk_settings(*command, options.drives, options.assignments);
   command->callback([arguments, &exit_status] {
     prepare(arguments->request);
     exit_status = finish(run_contamination(arguments->options, arguments->request));
@@ -338,19 +338,11 @@ void add_timing(CLI::App& parent, int& exit_status) {
   CLI::App* command = parent.add_subcommand(kTimingName, kTimingSummary);
   add_common(*command, arguments->request);
   add_methods(*command, options.methods, "all");
-  command
-      ->add_option("--kitti", options.drives.kitti,
-                   "Folder with KITTI odometry's poses/NN.txt and times, to render drives along; routes without it")
-      ->option_text("PATH");
+  add_kitti_poses(*command, options.drives.kitti);
   command->add_option("--clips", options.drives.clips, "Real drives instead: NN/image_0 and NN/poses.txt")
       ->option_text("PATH");
   add_choice(*command, options.drives, "default city:100, 07:100, or all clips");
-  command->add_option("--preset", options.drives.preset, "Camera and its place on the vehicle");
-  command->add_option("--seed", options.drives.seed, "Of world, vehicle and sensor")->check(CLI::NonNegativeNumber);
-  command->add_option("--threads", options.drives.threads, "For rendering")->check(CLI::PositiveNumber);
-  command->add_option("--set", options.assignments, "KEY=VALUE of the odometry's configuration")
-      ->expected(1)
-      ->take_all();
+  add_walk_settings(*command, options.drives, options.assignments);
   command->callback([arguments, &exit_status] {
     prepare(arguments->request);
     exit_status = finish(run_timing(arguments->options, arguments->request));
@@ -368,12 +360,9 @@ void add_matching(CLI::App& parent, int& exit_status) {
   drives.default_sequences = {"07:300", "10:300"};
   CLI::App* command = parent.add_subcommand(kMatchingName, kMatchingSummary);
   add_common(*command, arguments->request);
-  command
-      ->add_option("--kitti", drives.kitti,
-                   "Folder with KITTI odometry's poses/NN.txt and times; built-in routes without it")
-      ->option_text("PATH");
+  add_kitti_poses(*command, drives.kitti);
   add_choice(*command, drives, "default 07:300,10:300, or all routes");
-  command->add_option("--preset", drives.preset, "Camera and its place on the vehicle");
+  add_preset(*command, drives);
   add_drive_settings(*command, drives, arguments->settings);
   command->callback([arguments, &exit_status] {
     prepare(arguments->request);
