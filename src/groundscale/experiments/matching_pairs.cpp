@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "groundscale/experiments/road_truth.hpp"
+#include "groundscale/experiments/truth_rows.hpp"
 #include "groundscale/io/camera_file.hpp"
 #include "groundscale/io/files.hpp"
 #include "groundscale/io/image_file.hpp"
@@ -41,7 +41,7 @@ struct Drive {
   std::string folder;
   CameraPtr camera;
   Trajectory poses;
-  std::vector<RoadTruth> roads;
+  std::vector<TruthRow> roads;
 
   std::string file(const char* part, std::size_t frame) const {
     return fmt::format("{}/{}/{:06d}.png", folder, part, frame);
@@ -53,7 +53,7 @@ Result<Drive> open_drive(const std::string& folder) {
   drive.folder = folder;
   auto poses = read_trajectory(folder + "/poses.txt");
   if (!poses) return poses.error();
-  auto roads = read_road_truth(folder + "/truth.csv");
+  auto roads = read_truth_rows(folder + "/truth.csv");
   if (!roads) return roads.error();
   if (roads->size() < poses->world_from_cam.size()) {
     return bad_input(folder + "/truth.csv: fewer rows than poses.txt has");

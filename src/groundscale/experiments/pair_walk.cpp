@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
-#include "groundscale/experiments/road_truth.hpp"
+#include "groundscale/experiments/truth_rows.hpp"
 #include "groundscale/geometry/essential.hpp"
 #include "groundscale/io/text_internal.hpp"
 #include "groundscale/io/trajectory_file.hpp"
@@ -22,10 +22,10 @@ namespace {
 
 /// Mean of the road's normals in a drive's truth.csv; nothing where it has none.
 std::optional<Eigen::Vector3d> mean_normal_of(const std::string& truth_file) {
-  const auto rows = read_road_truth(truth_file);
+  const auto rows = read_truth_rows(truth_file);
   if (!rows) return std::nullopt;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const RoadTruth& row : *rows) {
+  for (const TruthRow& row : *rows) {
     if (row.plane) sum += row.plane->normal_in_cam;
   }
   if (!(sum.norm() > 0.0)) return std::nullopt;

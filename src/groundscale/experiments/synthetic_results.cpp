@@ -40,15 +40,17 @@ Count count_levels(const SyntheticResults& results, double above_px, const std::
   return count;
 }
 
-Finding judged(std::string what, const Count& count, const std::string& more = "") {
-  Finding finding{.what = std::move(what), .reproduced = {}, .measured = "no such noise level"};
+PaperFinding judged(std::string what, const Count& count, const std::string& more = "") {
+  PaperFinding finding{.what = std::move(what), .reproduced = {}, .measured = "no such noise level"};
   if (count.of == 0) return finding;
   finding.reproduced = count.held == count.of;
   finding.measured = fmt::format("at {} of {} noise levels{}", count.held, count.of, more);
   return finding;
 }
 
-Finding missing(std::string what) { return {std::move(what), std::nullopt, "a method that it names is not measured"}; }
+PaperFinding missing(std::string what) {
+  return {std::move(what), std::nullopt, "a method that it names is not measured"};
+}
 
 /// Mean over the noise levels above a bound of a contender's median.
 double mean_error(const SyntheticResults& results, std::size_t setting, std::size_t contender, double above_px) {
@@ -70,7 +72,7 @@ struct Comparison {
   double factor = 1.0;                       ///< by more than this factor.
 };
 
-Finding judge(const SyntheticResults& results, std::size_t setting, const Comparison& comparison) {
+PaperFinding judge(const SyntheticResults& results, std::size_t setting, const Comparison& comparison) {
   const std::string what = fmt::format("{} ({})", comparison.what, results.settings[setting].label());
   if (!comparison.worse || !comparison.better) return missing(what);
   const double above_px = comparison.above_px;
@@ -83,7 +85,7 @@ Finding judge(const SyntheticResults& results, std::size_t setting, const Compar
   return judged(what, count, std::isfinite(ratio) ? fmt::format(", {:.2f} times the error on average", ratio) : "");
 }
 
-Finding best(const SyntheticResults& results, std::size_t setting, std::string what, std::size_t contender) {
+PaperFinding best(const SyntheticResults& results, std::size_t setting, std::string what, std::size_t contender) {
   what += fmt::format(" ({})", results.settings[setting].label());
   const std::string& own = results.contenders[contender].method;
   const Count count = count_levels(results, 0.0, [&](std::size_t level) {
@@ -214,7 +216,7 @@ std::vector<Plot> synthetic_plots(const SyntheticResults& results) {
   return plots;
 }
 
-std::vector<Finding> synthetic_findings(const SyntheticResults& results) {
+std::vector<PaperFinding> synthetic_findings(const SyntheticResults& results) {
   constexpr double kFar = 2.0;
   constexpr double kBeyondPx = 1.0;
   const auto sparse = find(results, "sparse", 0.0);
@@ -226,7 +228,7 @@ std::vector<Finding> synthetic_findings(const SyntheticResults& results) {
     if (results.contenders[c].method == "triangulation") triangulations.push_back(c);
   }
 
-  std::vector<Finding> findings;
+  std::vector<PaperFinding> findings;
   const auto worse_everywhere = [&](const std::string& method) {
     for (std::size_t k = 0; k < settings.size(); ++k) {
       findings.push_back(

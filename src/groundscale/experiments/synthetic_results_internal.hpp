@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "groundscale/experiments/finding.hpp"
+#include "groundscale/experiments/paper_finding.hpp"
 #include "groundscale/experiments/plot.hpp"
 #include "groundscale/experiments/synthetic.hpp"
 #include "groundscale/experiments/synthetic_trial.hpp"
@@ -89,6 +89,6 @@ std::vector<Plot> synthetic_plots(const SyntheticResults& results);
 /// - `triangulation` is far worse than `sparse` at low speed (the lowest) beyond 1 px: at least twice its error at
 ///   every noise level above 1 px;
 /// - `joint` is worse than `sparse`, which takes R and t as given: at every noise level above 0.
-std::vector<Finding> synthetic_findings(const SyntheticResults& results);
+std::vector<PaperFinding> synthetic_findings(const SyntheticResults& results);
 
 }  // namespace groundscale::internal

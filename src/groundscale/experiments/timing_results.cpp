@@ -34,12 +34,14 @@ std::optional<std::pair<double, double>> range_of_sparse_kind(const Timings& tim
   return std::pair(low, high);
 }
 
-void add_findings(const Timings& timings, double plus_ms, const std::string& what, std::vector<Finding>& findings) {
+void add_findings(const Timings& timings, double plus_ms, const std::string& what,
+                  std::vector<PaperFinding>& findings) {
   constexpr double kFar = 3.0, kAlike = 2.0;
   const auto range = range_of_sparse_kind(timings, plus_ms);
   const TimedRow* dense = timings.find("dense");
-  Finding slowest{fmt::format("dense is slowest by far ({})", what), {}, "a method that it names is not measured"};
-  Finding alike{fmt::format("triangulation, decomposition and sparse take alike ({})", what), {}, slowest.measured};
+  PaperFinding slowest{fmt::format("dense is slowest by far ({})", what), {}, "a method that it names is not measured"};
+  PaperFinding alike{
+      fmt::format("triangulation, decomposition and sparse take alike ({})", what), {}, slowest.measured};
   if (range && dense != nullptr && !dense->ms.empty()) {
     const double ratio = (dense->median_ms() + plus_ms) / range->second;
     slowest.reproduced = ratio >= kFar;
@@ -195,8 +197,8 @@ Plot timing_plot(const Timings& timings) {
   return plot;
 }
 
-std::vector<Finding> timing_findings(const Timings& timings) {
-  std::vector<Finding> findings;
+std::vector<PaperFinding> timing_findings(const Timings& timings) {
+  std::vector<PaperFinding> findings;
   add_findings(timings, 0.0, "the method alone", findings);
   add_findings(timings, timings.before_ms(), "with tracking, motion and road matching", findings);
   return findings;

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "groundscale/experiments/aims.hpp"
-#include "groundscale/experiments/finding.hpp"
 #include "groundscale/experiments/pair_walk.hpp"
+#include "groundscale/experiments/paper_finding.hpp"
 #include "groundscale/experiments/plot.hpp"
 #include "groundscale/experiments/table.hpp"
 #include "groundscale/plane/methods.hpp"
@@ -50,7 +50,7 @@ Plot timing_plot(const Timings& timings);
 /// By medians, of the method alone and with all that comes before it:
 /// - dense is slowest by far: at least 3 times the slowest of triangulation, decomposition and sparse;
 /// - these three are alike: the slowest takes at most twice as long as the fastest.
-std::vector<Finding> timing_findings(const Timings& timings);
+std::vector<PaperFinding> timing_findings(const Timings& timings);
 /// At KITTI's size: sparse, triangulation and decomposition at most 3 ms, dense at most 25 ms (medians).
 std::vector<Aim> timing_aims(const Timings& timings);
 

@@ -1,4 +1,4 @@
-#include "groundscale/experiments/road_truth.hpp"
+#include "groundscale/experiments/truth_rows.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 
 namespace groundscale {
 
-Result<std::vector<RoadTruth>> read_road_truth(const std::string& path) {
+Result<std::vector<TruthRow>> read_truth_rows(const std::string& path) {
   const auto text = read_text(path);
   if (!text) return text.error();
-  std::vector<RoadTruth> rows;
+  std::vector<TruthRow> rows;
   for (const internal::Line& line : internal::split_lines(*text)) {
     if (line.number == 1 || line.text.empty()) continue;
     const std::vector<std::string> cells = internal::csv_fields(line.text);
@@ -19,7 +19,7 @@ Result<std::vector<RoadTruth>> read_road_truth(const std::string& path) {
     if (cells.size() != kColumns || !number(6)) {
       return internal::bad_input(fmt::format("{}, line {}: seven columns expected", path, line.number));
     }
-    RoadTruth row{std::nullopt, *number(6)};
+    TruthRow row{std::nullopt, *number(6)};
     if (number(2) && number(3) && number(4) && number(5)) {
       row.plane = GroundPlane{Eigen::Vector3d(*number(3), *number(4), *number(5)).normalized(), *number(2)};
     }
