@@ -96,5 +96,13 @@ TEST(MatchingExperiment, RefusesAnUnknownKeyBeforeAnythingIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 
+TEST(MatchingExperiment, SaysWhyThereAreNoPairs) {
+  const TempFolder folder;
+  const ProgramRun run = run_program(
+      {"experiment", "matching", "--output", folder / "out", "--preset", "small", "--sequences", "straight:2"});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.err, HasSubstr("drive straight: no pair can be matched: it takes three frames"));
+}
+
 }  // namespace
 }  // namespace groundscale

@@ -18,6 +18,7 @@
 #include "groundscale/experiments/work_unit.hpp"
 #include "groundscale/io/config.hpp"
 #include "groundscale/io/files.hpp"
+#include "groundscale/io/text_internal.hpp"
 
 namespace groundscale {
 namespace {
@@ -162,6 +163,10 @@ Result<FinishedDrive> finish_drive(const DriveChoice& choice, const DriveOptions
   if (!done) return done.error();
   auto read = read_pairs(pairs + "/pairs.csv");
   if (!read) return read.error();
+  if (read->empty()) {
+    return internal::bad_input(
+        "no pair can be matched: it takes three frames, and road before a camera that moves from the second on");
+  }
   return FinishedDrive{std::move(*drive), std::move(*read)};
 }
 

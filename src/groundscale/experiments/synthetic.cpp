@@ -1,6 +1,8 @@
 #include "groundscale/experiments/synthetic.hpp"
 
+#include <algorithm>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,6 +26,20 @@ using internal::SyntheticBench;
 using internal::SyntheticResults;
 
 constexpr const char* kRoute = "straight";
+
+/// Of the chosen ones none may need pixels: there are none.
+Result<std::vector<PlaneMethod>> choose_synthetic_methods(const std::vector<std::string>& names) {
+  auto methods = choose_ground_methods(names, {"triangulation", "decomposition", "sparse", "joint"});
+  if (!methods) return methods.error();
+  std::vector<std::string_view> known;
+  for (const PlaneMethod& method : plane_methods()) known.push_back(method.name);
+  for (const PlaneMethod& method : *methods) {
+    if (std::find(known.begin(), known.end(), method.name) != known.end()) continue;
+    return bad_input(fmt::format("--methods: \"{}\" needs images, made-up matches have none; those that don't: {}",
+                                 method.name, fmt::join(known, ", ")));
+  }
+  return methods;
+}
 
 std::string settings_in_words(const OdometryOptions& options) {
   const PlaneOptions& plane = options.ground.plane;
@@ -142,7 +158,7 @@ Result<std::string> obtain_source(const SyntheticOptions& options, const std::ve
 
 Result<ExperimentOutcome> run_synthetic(const SyntheticOptions& given, const ExperimentRequest& request) {
   SyntheticOptions options = given;
-  auto methods = choose_ground_methods(options.methods, {"triangulation", "decomposition", "sparse", "joint"});
+  auto methods = choose_synthetic_methods(options.methods);
   if (!methods) return methods.error();
   const auto odometry = assigned_options(internal::synthetic_settings(), options.assignments);
   if (!odometry) return odometry.error();
