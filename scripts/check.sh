@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Everything that is checked besides the tests of the release build: format, what the files say, include order, warnings,
-# headers that compile alone, clang-tidy, the sanitizers' build with its tests, docs in step with the code.
+# Everything that is checked besides the tests of the release build: format, what the files say, include order, names,
+# warnings, docs in step with the code, headers that compile alone, clang-tidy, the sanitizers' build with its tests.
 # Without arguments all of it; else the steps named: `scripts/check.sh format tidy`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -21,10 +21,19 @@ check_includes() {
   scripts/check_includes.py
 }
 
+check_names() {
+  python3 scripts/check_names_test.py --quiet
+  scripts/check_names.py
+}
+
 check_warnings() {
   cmake --preset release >/dev/null
   cmake --build --preset release --parallel "$jobs"
-  cmake --build --preset release --parallel "$jobs" --target all_verify_interface_header_sets
+}
+
+check_headers() {
+  cmake --preset tidy >/dev/null
+  scripts/check_headers.py build/tidy/compile_commands.json
 }
 
 check_tidy() {
@@ -59,7 +68,7 @@ check_docs() {
 }
 
 steps=("$@")
-[ $# -gt 0 ] || steps=(format text includes warnings docs tidy sanitizers)
+[ $# -gt 0 ] || steps=(format text includes names warnings docs headers tidy sanitizers)
 for name in "${steps[@]}"; do
   step "$name" "check_$name"
 done
