@@ -40,6 +40,8 @@ RoadObservations observe_pair(const Pair& pair, const Matches& road_matches, con
   observations.camera = camera;
   observations.cam_from_reference = {RigidTransform{}, pair.motion.cam2_from_cam1};
   observations.motion_covariance = pair.motion.covariance;
+  const RigidTransform& motion = pair.motion.cam2_from_cam1;
+  observations.driving_direction = -(motion.rotation.transpose() * motion.translation).normalized();
   if (region.polygon_px.empty()) {
     observations.weight_of_ray = [path = expected.path, road, sd_m = region.weight_sd_m](const Eigen::Vector3d& ray) {
       const double offset = offset_from_path(path, road, ray) / sd_m;

@@ -47,6 +47,7 @@ TEST(ObservePair, HasTheMotionAndTheSceneThatAgrees) {
   ASSERT_EQ(seen.cam_from_reference.size(), 2U);
   EXPECT_EQ(seen.cam_from_reference[1].translation, -Eigen::Vector3d::UnitZ());
   EXPECT_EQ(seen.motion_covariance(1, 1), 0.25);
+  EXPECT_EQ(seen.driving_direction, Eigen::Vector3d::UnitZ());
   EXPECT_FALSE(seen.predicted_plane);  // what is known by now isn't what was predicted
   EXPECT_DOUBLE_EQ(plane_in_baselines(e.expected.warp).height, kHeightM / 0.8);
   ASSERT_EQ(seen.scene.size(), 2U);

@@ -53,9 +53,15 @@ void visit_fields(PlaneOptions& options, FieldVisitor& visitor) {
                  .min = 0,
                  .max = 45},
                 options.normal_prior_deg);
+  visitor.field({.key = "direction_prior_deg",
+                 .unit = "deg",
+                 .help = "sd of the angle between the plane and the direction of motion, 0: not used",
+                 .min = 0,
+                 .max = 45},
+                options.direction_prior_deg);
   visitor.field({.key = "point_sd_px",
                  .unit = "px",
-                 .help = "what a road point is worth against that prior, since roads aren't planes",
+                 .help = "what a road point is worth against these priors, since roads aren't planes",
                  .min = 0.01,
                  .max = 20},
                 options.point_sd_px);

@@ -31,7 +31,9 @@ struct PlaneOptions {
   /// Sd of the expected normal, where one is given; 0: not used. Pitch and height are strongly correlated, and in a
   /// turn few points tell them apart.
   double normal_prior_deg = 1.0;
-  double point_sd_px = 0.9;  ///< What a point is worth against the prior, since roads aren't planes.
+  /// Sd of the angle between the plane and the driving direction, where one is given; 0: not used.
+  double direction_prior_deg = 0.4;
+  double point_sd_px = 0.9;  ///< What a point is worth against these priors, since roads aren't planes.
   int min_inliers = 30;
   PlaneRefinement refinement = PlaneRefinement::kLevenbergMarquardt;
   PlaneStart start = PlaneStart::kHomography;

@@ -7,6 +7,7 @@
 #include "groundscale/estimation/robust.hpp"
 #include "groundscale/geometry/so3.hpp"
 #include "groundscale/plane/motion_refine_internal.hpp"
+#include "groundscale/plane/normal_prior_internal.hpp"
 #include "groundscale/plane/refine_internal.hpp"
 
 namespace groundscale {
@@ -22,10 +23,11 @@ class MotionCost {
       : observations_(observations),
         transfers_(transfers),
         loss_{options.huber_px},
-        prior_(normal_prior_weight(observations, options)) {}
+        prior_(observations, options),
+        prior_weight_(2.0 * prior_worth(options)) {}
 
   double cost(const MotionAndPlane& at) const {
-    double cost = 0.5 * prior_ * (at.m.normalized() - observations_.expected_normal).squaredNorm();
+    double cost = prior_weight_ * prior_.cost(at.m);
     for (const Transfer& transfer : transfers_) {
       const auto error = transfer_error(*observations_.camera, at.cam2_from_cam1, at.m, transfer);
       cost += transfer.weight * (error ? loss_.rho(error->forward.norm()) + loss_.rho(error->backward.norm())
@@ -36,11 +38,8 @@ class MotionCost {
 
   NormalEquations<8> linearise(const MotionAndPlane& at) const {
     NormalEquations<8> equations;
-    if (prior_ > 0.0) {
-      const Eigen::Matrix3d by_m = normal_by_m(at.m);
-      equations.information.topLeftCorner<3, 3>() += prior_ * by_m.transpose() * by_m;
-      equations.gradient.head<3>() += prior_ * by_m.transpose() * (at.m.normalized() - observations_.expected_normal);
-    }
+    equations.information.topLeftCorner<3, 3>() = prior_weight_ * prior_.hessian(at.m);
+    equations.gradient.head<3>() = prior_weight_ * prior_.gradient(at.m);
     const Camera& camera = *observations_.camera;
     for (const Transfer& transfer : transfers_) {
       const auto error = transfer_error(camera, at.cam2_from_cam1, at.m, transfer);
@@ -75,7 +74,8 @@ class MotionCost {
   const RoadObservations& observations_;
   const std::vector<Transfer>& transfers_;
   HuberLoss loss_;
-  double prior_;
+  NormalPrior prior_;
+  double prior_weight_;
 };
 
 }  // namespace
@@ -126,11 +126,10 @@ Eigen::Matrix3d covariance_with_free_motion(const RoadObservations& observations
     squares += weight * error->forward.squaredNorm();
     weights += transfer.weight;
   }
-  const double prior = with_prior ? 0.5 * normal_prior_weight(observations, options) : 0.0;
-  if (prior > 0.0) {
-    const Eigen::Matrix3d by_m = normal_by_m(at.m);
-    information.topLeftCorner<3, 3>() += prior * by_m.transpose() * by_m;
-    spread.topLeftCorner<3, 3>() += prior * by_m.transpose() * by_m;
+  if (with_prior) {
+    const Eigen::Matrix3d prior_information = prior_worth(options) * NormalPrior(observations, options).hessian(at.m);
+    information.topLeftCorner<3, 3>() += prior_information;
+    spread.topLeftCorner<3, 3>() += prior_information;
   }
   // As in covariance_of_plane, with eight parameters; all as numbers of about 1, so that what is open can be told.
   const Eigen::Matrix<double, 8, 1> unit = information.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -8,6 +7,7 @@
 
 #include "groundscale/estimation/levenberg_marquardt.hpp"
 #include "groundscale/estimation/robust.hpp"
+#include "groundscale/plane/normal_prior_internal.hpp"
 #include "groundscale/plane/refine_internal.hpp"
 
 namespace groundscale {
@@ -24,10 +24,11 @@ class TransferCost {
       : observations_(observations),
         transfers_(transfers),
         loss_{options.huber_px},
-        prior_(normal_prior_weight(observations, options)) {}
+        prior_(observations, options),
+        prior_weight_(2.0 * prior_worth(options)) {}
 
   double cost(const Eigen::Vector3d& m) const {
-    double cost = 0.5 * prior_ * (m.normalized() - observations_.expected_normal).squaredNorm();
+    double cost = prior_weight_ * prior_.cost(m);
     for (const Transfer& transfer : transfers_) {
       const auto error = error_of(m, transfer);
       // A point that leaves the camera's field costs as much as one that is far off.
@@ -39,11 +40,8 @@ class TransferCost {
 
   NormalEquations<3> linearise(const Eigen::Vector3d& m) const {
     NormalEquations<3> equations;
-    if (prior_ > 0.0) {
-      const Eigen::Matrix3d by_m = normal_by_m(m);
-      equations.information += prior_ * by_m.transpose() * by_m;
-      equations.gradient += prior_ * by_m.transpose() * (m.normalized() - observations_.expected_normal);
-    }
+    equations.information = prior_weight_ * prior_.hessian(m);
+    equations.gradient = prior_weight_ * prior_.gradient(m);
     for (const Transfer& transfer : transfers_) {
       const auto error = error_of(m, transfer);
       if (!error) continue;
@@ -71,7 +69,8 @@ class TransferCost {
   const RoadObservations& observations_;
   const std::vector<Transfer>& transfers_;
   HuberLoss loss_;
-  double prior_;
+  NormalPrior prior_;
+  double prior_weight_;
 };
 
 /// The paper's way. OpenCV's downhill simplex over m, scaled to its start.
@@ -98,16 +97,7 @@ Eigen::Vector3d refine_by_nelder_mead(const TransferCost& cost_of, const Eigen::
 
 }  // namespace
 
-double normal_prior_weight(const RoadObservations& observations, const PlaneOptions& options) {
-  if (observations.expected_normal.isZero() || options.normal_prior_deg <= 0.0) return 0.0;
-  const double sd_rad = observations.normal_prior_factor * options.normal_prior_deg * std::numbers::pi / 180.0;
-  return 2.0 * options.point_sd_px * options.point_sd_px / (sd_rad * sd_rad);
-}
-
-Eigen::Matrix3d normal_by_m(const Eigen::Vector3d& m) {
-  const Eigen::Vector3d n = m.normalized();
-  return (Eigen::Matrix3d::Identity() - n * n.transpose()) / m.norm();
-}
+double prior_worth(const PlaneOptions& options) { return options.point_sd_px * options.point_sd_px; }
 
 Eigen::Vector3d refine_plane(const RoadObservations& observations, const std::vector<Transfer>& transfers,
                              const Eigen::Vector3d& start, const PlaneOptions& options) {
@@ -142,14 +132,9 @@ Eigen::Matrix3d covariance_of_plane(const RoadObservations& observations, const 
   // so the covariance is A^-1 B A^-1 with B = sum w^2 J^T J.
   const auto count = static_cast<double>(transfers.size());
   const double variance = squares / std::max(1e-12, 2.0 * weights) * (2.0 * count / std::max(1.0, 2.0 * count - 3.0));
-  const double prior = normal_prior_weight(observations, options);
-  if (prior > 0.0) {
-    const Eigen::Matrix3d by_m = normal_by_m(m);
-    // Half of the refinement's, which counts each point twice.
-    const Eigen::Matrix3d prior_information = 0.5 * prior * by_m.transpose() * by_m;
-    information += prior_information;
-    spread += prior_information;
-  }
+  const Eigen::Matrix3d prior_information = prior_worth(options) * NormalPrior(observations, options).hessian(m);
+  information += prior_information;
+  spread += prior_information;
   const Eigen::Matrix3d inverse = information.ldlt().solve(Eigen::Matrix3d::Identity());
   const Eigen::Matrix<double, 3, 5> m_by_motion = -inverse * by_motion;
   return variance * inverse * spread * inverse + m_by_motion * observations.motion_covariance * m_by_motion.transpose();

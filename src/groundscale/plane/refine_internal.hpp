@@ -12,11 +12,8 @@ namespace groundscale {
 /// A point that leaves the camera's field costs as much as one that is this far off.
 inline constexpr double kLostTransferPx = 100.0;
 
-/// Weight of |n - expected|^2 / 2 beside the sum of transfer errors, forward and backward; 0 without a prior.
-double normal_prior_weight(const RoadObservations& observations, const PlaneOptions& options);
-
-/// Derivative of n = m / |m| by m.
-Eigen::Matrix3d normal_by_m(const Eigen::Vector3d& m);
+/// Weight of NormalPrior beside the sum of transfer errors in one direction, px^2; beside both directions twice that.
+double prior_worth(const PlaneOptions& options);
 
 /// m that minimises the symmetric transfer error of the transfers with a Huber loss, from a start nearby.
 Eigen::Vector3d refine_plane(const RoadObservations& observations, const std::vector<Transfer>& transfers,

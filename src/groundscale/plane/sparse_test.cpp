@@ -75,6 +75,25 @@ TEST(Sparse, MoreViewsGiveABetterPlane) {
   EXPECT_LT(four_views, 0.5 * two_views);  // 3 sights instead of 1, of which one has 1.5 times the baseline
 }
 
+TEST(Sparse, TheDrivingDirectionHelpsWhereNoiseHidesTheNormal) {
+  double without = 0.0;
+  double with = 0.0;
+  for (int seed = 0; seed < 20; ++seed) {
+    Rng rng(static_cast<std::uint64_t>(seed));
+    RoadObservations observations = road(test_camera(), 0.4, 0.0, rng, 60);
+    const auto free = estimate_plane_sparse(observations, {}, rng);
+    // Along the road, as the test's motion nearly is.
+    observations.driving_direction = kTestRoad.normal_in_cam.cross(Eigen::Vector3d::UnitX()).normalized();
+    const auto held = estimate_plane_sparse(observations, {}, rng);
+    ASSERT_TRUE(free && held);
+    without += std::pow(free->plane.height - kTestRoad.height, 2);
+    with += std::pow(held->plane.height - kTestRoad.height, 2);
+    const auto sd = [](const PlaneMeasurement& measured) { return measured.covariance_of_m.trace(); };
+    EXPECT_LT(sd(*held), sd(*free)) << seed;
+  }
+  EXPECT_LT(with, 0.5 * without);
+}
+
 TEST(Sparse, RefusesTooFewPointsAndAViewWithoutBaseline) {
   Rng rng(3);
   RoadObservations few = road(test_camera(), 0.0, 0.0, rng, 20);

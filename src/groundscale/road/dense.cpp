@@ -101,7 +101,7 @@ Result<PlaneMeasurement> estimate_plane_dense(const RoadObservations& observatio
   if (!first) return first.error();
   const PhotometricState start = search_nearby(observations, *first, options);
   const bool by_score = options.dense.refinement == DenseRefinement::kNelderMead;
-  const NormalPrior prior = by_score ? NormalPrior{} : NormalPrior::of(observations, options);
+  const NormalPrior prior = by_score ? NormalPrior() : NormalPrior(observations, options);
   Aligned aligned;
   if (!by_score) {
     auto found = align_road(observations, start, FreeParameters::kPlane, prior, options);

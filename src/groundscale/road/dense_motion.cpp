@@ -53,7 +53,7 @@ Result<PlaneMeasurement> estimate_plane_joint_dense(const RoadObservations& obse
   if (const auto usable = check_pixels(observations); !usable) return usable.error();
   const auto first = alignment_start(observations, options, rng);
   if (!first) return first.error();
-  const NormalPrior prior = NormalPrior::of(observations, options);
+  const NormalPrior prior(observations, options);
   const PhotometricState nearby = search_nearby(observations, *first, options);
   const auto plane = align_road(observations, nearby, FreeParameters::kPlane, prior, options);
   if (!plane) return plane.error();

@@ -164,27 +164,6 @@ PhotometricState moved(const PhotometricState& state, const PhotometricVector& s
   return next;
 }
 
-NormalPrior NormalPrior::of(const RoadObservations& observations, const PlaneOptions& options) {
-  if (observations.expected_normal.isZero() || options.normal_prior_deg <= 0.0) return {};
-  const double sd_rad = observations.normal_prior_factor * options.normal_prior_deg * kDegree;
-  return {observations.expected_normal, 1.0 / (sd_rad * sd_rad)};
-}
-
-double NormalPrior::cost(const Eigen::Vector3d& m) const {
-  return information > 0.0 ? 0.5 * information * (m.normalized() - expected).squaredNorm() : 0.0;
-}
-
-Eigen::Vector3d NormalPrior::gradient(const Eigen::Vector3d& m) const {
-  if (information <= 0.0) return Eigen::Vector3d::Zero();
-  return information * normal_by_m(m).transpose() * (m.normalized() - expected);
-}
-
-Eigen::Matrix3d NormalPrior::hessian(const Eigen::Vector3d& m) const {
-  if (information <= 0.0) return Eigen::Matrix3d::Zero();
-  const Eigen::Matrix3d by_m = normal_by_m(m);
-  return information * by_m.transpose() * by_m;
-}
-
 Result<void> check_pixels(const RoadObservations& observations) {
   GS_CHECK(observations.camera != nullptr && observations.cam_from_reference.size() >= 2, "two views and their camera");
   if (observations.images.size() < 2 || observations.images[0].empty() || observations.images[1].empty())

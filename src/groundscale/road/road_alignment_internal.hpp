@@ -7,6 +7,7 @@
 #include "groundscale/core/result.hpp"
 #include "groundscale/core/rng.hpp"
 #include "groundscale/plane/methods.hpp"
+#include "groundscale/plane/normal_prior_internal.hpp"
 #include "groundscale/road/photometric_internal.hpp"
 
 namespace groundscale {
@@ -19,17 +20,6 @@ Eigen::MatrixXd basis_of(FreeParameters free, const PhotometricState& state);
 
 /// The state moved by a step in all parameters.
 PhotometricState moved(const PhotometricState& state, const PhotometricVector& step, FreeParameters free);
-
-/// Half of |n - expected|^2 / sd^2 as part of a cost.
-struct NormalPrior {
-  Eigen::Vector3d expected = Eigen::Vector3d::Zero();
-  double information = 0.0;  ///< 1 / sd^2; 0: none.
-
-  static NormalPrior of(const RoadObservations& observations, const PlaneOptions& options);
-  double cost(const Eigen::Vector3d& m) const;
-  Eigen::Vector3d gradient(const Eigen::Vector3d& m) const;
-  Eigen::Matrix3d hessian(const Eigen::Vector3d& m) const;
-};
 
 /// An end of the alignment.
 struct Aligned {
