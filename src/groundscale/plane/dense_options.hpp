@@ -33,7 +33,7 @@ struct FixedPlaneOptions {
 void visit_fields(FixedPlaneOptions& options, FieldVisitor& visitor);
 
 struct FusedOptions {
-  std::string methods = "triangulation_ransac,dense";  ///< Names with commas between them.
+  std::string methods = "sparse,dense";  ///< Names with commas between them.
   /// From the formal variance of each to that of its own error, which it shares with none of the others; 5 where none
   /// is given.
   std::vector<double> variance_factors{};

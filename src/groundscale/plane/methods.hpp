@@ -89,7 +89,7 @@ std::span<const PlaneMethod> plane_methods();
 /// with the motion, linear start of m = n / h over all nine of its entries (PlaneStart: or the predicted plane), then m
 /// alone by the symmetric transfer error
 ///   sum rho(|x2 - H x1|) + rho(|x1 - H^-1 x2|),  H = R + t m^T,  rho = Huber,
-/// in pixels through the camera model. Every further view adds the same terms for the same m.
+/// in pixels through the camera model, and the priors of n. Every further view adds the same terms for the same m.
 /// @return kTooFewMatches, kDegenerateMotion (view 1 has no baseline), kNotGround (the homography is no plane's).
 /// Deterministic for a given rng. O(trials * points + iterations * sights).
 Result<PlaneMeasurement> estimate_plane_sparse(const RoadObservations& observations, const PlaneOptions& options,

@@ -45,8 +45,8 @@ struct RoadObservations {
   /// PlaneOptions::normal_prior_deg.
   Eigen::Vector3d expected_normal = Eigen::Vector3d::Zero();
   double normal_prior_factor = 1.0;  ///< By how much less is known of it than usual: on the prior's sd.
-  /// Where a vehicle drives, which is along its road, in the reference view, a unit vector; zero where nothing is known.
-  /// Used with PlaneOptions::direction_prior_deg.
+  /// Where a vehicle drives, along its road, in the reference view: a unit vector; zero where nothing is known. Used
+  /// with PlaneOptions::direction_prior_deg.
   Eigen::Vector3d driving_direction = Eigen::Vector3d::Zero();
   /// The plane as earlier frames let it be expected, or a coarse search where they don't, in the unit of the
   /// translations: where a method that only looks nearby starts.
