@@ -32,7 +32,7 @@ struct PlaneOptions {
   /// turn few points tell them apart.
   double normal_prior_deg = 1.0;
   /// Sd of the angle between the plane and the driving direction, where one is given; 0: not used.
-  double direction_prior_deg = 0.4;
+  double direction_prior_deg = 0.7;
   double point_sd_px = 0.9;  ///< What a point is worth against these priors, since roads aren't planes.
   int min_inliers = 30;
   PlaneRefinement refinement = PlaneRefinement::kLevenbergMarquardt;

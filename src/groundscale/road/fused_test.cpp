@@ -103,7 +103,7 @@ TEST(Fused, WhereAllRefuseTheReasonsAreTold) {
   Rng rng(1);
   const auto measured = make_fused({})(observations, rng);
   ASSERT_FALSE(measured);
-  EXPECT_THAT(measured.error().message, testing::HasSubstr("triangulation_ransac: "));
+  EXPECT_THAT(measured.error().message, testing::HasSubstr("sparse: "));
   EXPECT_THAT(measured.error().message, testing::HasSubstr("dense: "));
 }
 
